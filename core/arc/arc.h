@@ -1,0 +1,36 @@
+// Fits the circle on which the hand moved (paper section 4: least squares; here robust, with residuals), and lays the
+// panorama's grid over what the cameras see.
+//
+// Takes cameras (world frame) and sparse points; gives an Arc and a PanoramaGrid. The axis n points up as the cameras
+// hold up (mean of their -y axes), which settles what a short or nearly straight path leaves open.
+#pragma once
+
+#include <vector>
+
+#include "geometry.h"
+
+namespace ldp {
+
+struct ArcOptions {
+  double straight_radius_factor = 50;  // radius given to a straight path, in path lengths
+};
+
+struct ArcFit {
+  Arc arc;
+  std::vector<double> radial_residuals, height_residuals;  // per camera, capture's unit
+  bool straight = false;                                   // the path did not bend enough to fix a radius
+};
+
+ArcFit fit_arc(const std::vector<Camera>& cameras, const ArcOptions& options);
+
+struct GridOptions {
+  Rays rays = Rays::pushbroom;
+  double pitch_px = 1;   // panorama pitch in photo pixels: d_theta = d_v = pitch_px / focal
+  double near_depth = 0, far_depth = 0;  // 0 = from the points (2nd and 98th percentile, with a margin; far becomes infinity when > 100 r)
+};
+
+// Extends half a field of view past both ends of the path, and to every row that the cameras see; wraps when closed or
+// when 2 pi is reached.
+PanoramaGrid lay_grid(const Arc& arc, const std::vector<Camera>& cameras, const std::vector<ScenePoint>& points, const GridOptions& options);
+
+}  // namespace ldp

@@ -1,0 +1,53 @@
+// From a capture to a layered depth panorama: the one function that states the order of the stages.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "frames.h"
+#include "geometry.h"
+#include "job.h"
+#include "panorama.h"
+#include "poses.h"
+#include "arc.h"
+#include "solve.h"
+
+namespace ldp {
+
+struct BuildOptions {
+  int layers = 3;       // 1 .. 8
+  int labels = 16;      // 2 .. 16
+  int iterations = 2;   // 1 .. 4; the second and later use visibility
+  Rays rays = Rays::pushbroom;
+  int block_px = 16;    // of the depth codes; 0 = uniform codes
+  size_t memory_bytes = size_t{128} << 20;
+  PosesOptions poses;
+  std::vector<Camera> cameras;  // empty = estimate
+  std::string debug_directory;  // empty = no pictures
+};
+
+struct SolveEntry {
+  std::string name;  // "depth layer 1 iteration 2", "colour layer 1"
+  SolveReport report;
+};
+
+struct BuildReport {
+  std::vector<std::pair<std::string, double>> seconds;  // per stage, in order
+  std::vector<SolveEntry> solves;
+  PosesReport poses;
+  ArcFit arc;
+  std::vector<double> coverage;  // share of present pixels per layer
+  std::vector<std::string> notes;  // one line each, e.g. "no parallax was found: one far layer"
+};
+
+struct BuildResult {
+  LayeredPanorama panorama;
+  BuildReport report;
+};
+
+// Throws Impossible (too few frames connected), Cancelled, std::runtime_error (unreadable frame), std::logic_error.
+BuildResult build(const FrameSource& frames, const BuildOptions& options, const Job& job);
+
+}  // namespace ldp

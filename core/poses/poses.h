@@ -1,0 +1,58 @@
+// Camera poses from photographs (structure from motion for an arm's-length sweep; paper section 4, DESIGN 1 idea 5).
+//
+// Takes frames; gives cameras (shared intrinsics with radial distortion), sparse points and a report. The world of the
+// estimated poses has its up axis along +z, and its scale such that the cameras' circle has `arm_length` as radius.
+// How: features per frame, matching of neighbours and loop closures, initialisation from outward-looking circular
+// motion, bundle adjustment. Does not fit the final arc (arc.h).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "frames.h"
+#include "geometry.h"
+#include "job.h"
+
+namespace ldp {
+
+struct PosesOptions {
+  std::optional<double> fov_rad;   // horizontal field of view of the photos if known roughly; else EXIF; else estimated
+  double arm_length = 0.65;        // radius given to the cameras' circle, capture's unit (metres)
+  unsigned seed = 1;               // of every random choice
+};
+
+enum class Motion { arc, straight, rotation };
+
+struct FrameReport {
+  std::string name;
+  bool posed = false;
+  int features = 0, matches = 0, inliers = 0;
+  double reprojection_px = 0;  // root mean square over the frame's inliers
+  std::string reason;          // why it was dropped, empty when posed
+};
+
+struct PosesReport {
+  Motion motion = Motion::arc;
+  bool closed = false;         // the sweep closes on itself
+  std::vector<FrameReport> frames;
+  double reprojection_px = 0;  // root mean square over all inliers
+  int points = 0;
+};
+
+struct Poses {
+  std::vector<Camera> cameras;      // posed frames only, in frame order, named after their frames
+  std::vector<int> frame_of_camera; // index in the FrameSource of each camera
+  std::vector<ScenePoint> points;
+  PosesReport report;
+};
+
+// Throws Impossible when fewer than 3 frames can be connected, naming the reason.
+Poses estimate_poses(const FrameSource& frames, const PosesOptions& options, const Job& job);
+
+// The same points and report for cameras that are already known (matched to frames by name; frames without a camera
+// are reported as dropped). Cameras are left exactly as given. Throws Impossible when fewer than 3 names match.
+Poses triangulate(const FrameSource& frames, const std::vector<Camera>& cameras, const PosesOptions& options, const Job& job);
+
+}  // namespace ldp

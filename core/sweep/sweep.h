@@ -1,0 +1,55 @@
+// The cylinder sweep: matching cost phi and median grey mu of every (theta, v, label) (paper 3.2), in fixed point.
+//
+// Takes upright frames, the grid, and optionally what hides voxels from cameras; gives a CostSource that computes any
+// window when asked. Integer from samples to costs: same bytes on every machine. Does not choose labels.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "cost_source.h"
+#include "disparity.h"
+#include "geometry.h"
+#include "upright.h"
+
+namespace ldp {
+
+// What one upright camera sees first: inverse distance along `forward` (1 / (q . forward)) of the nearest surface, in
+// units of `scale` per step, stored like the frame's columns (at(y, x)) at 1/`shrink` of its resolution. A voxel is
+// hidden when the surface is nearer than it by more than `tolerance` steps.
+struct VisibilityMap {
+  Plane<uint16_t> inverse_z;
+  double scale = 0;
+  int shrink = 1;
+  int tolerance = 0;
+};
+
+struct SweepOptions {
+  int labels = kLabels;
+  int substeps = 3;        // depths tried inside each label's interval, the best kept
+  int prior_cost = 60;     // phi of a voxel that at most one camera sees, in 1/kCostScale grey levels
+};
+
+class Sweep final : public CostSource {
+ public:
+  // `visibility` is empty (everything is visible) or has one map per frame. `behind` is empty, or gives for each pixel
+  // the disparity of the layers in front: labels at or in front of it get cost 255. References must outlive the sweep.
+  Sweep(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, const std::vector<VisibilityMap>& visibility,
+        const DisparityMap& behind, const SweepOptions& options);
+  ~Sweep() override;
+  int width() const override;
+  int height() const override;
+  int labels() const override;
+  bool wraps() const override;
+  void read(const Window& window, uint8_t* cost, uint8_t* median) const override;
+
+ private:
+  struct Tables;
+  std::unique_ptr<Tables> tables_;
+};
+
+// Disparity to sub-label precision: for every pixel of `labels`, the best of the fine steps inside its label's interval
+// (and up to half an interval into its neighbours' where the cost is lower), smoothed where the image gives no evidence.
+DisparityMap refine(const Sweep& sweep, const Plane<uint8_t>& labels, const struct Job& job);
+
+}  // namespace ldp

@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "disparity.h"
+#include "geometry.h"
+#include "job.h"
+
+namespace ldp {
+namespace {
+
+PanoramaGrid some_grid() {
+  PanoramaGrid grid;
+  grid.arc.centre = {1, 2, 3};
+  grid.arc.radius = 0.65;
+  grid.width = 2000;
+  grid.height = 700;
+  grid.theta_left = 2.5;
+  grid.theta_pitch = grid.v_pitch = 1 / 700.0;
+  grid.v_top = 0.5;
+  grid.w_far = 0;
+  grid.w_near = 1;
+  return grid;
+}
+
+TEST(Geometry, UnprojectInvertsProject) {
+  const Intrinsics k{800, 600, 700, 705, 401, 299, -0.1, 0.02, 0.001, -0.002};
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> at_x(0, 800), at_y(0, 600);
+  for (int i = 0; i < 1000; ++i) {
+    const double x = at_x(random);
+    const double y = at_y(random);
+    const Eigen::Vector2d there = project(k, 3.0 * unproject(k, {x, y}));
+    EXPECT_NEAR(there.x(), x, 1e-5);
+    EXPECT_NEAR(there.y(), y, 1e-5);
+  }
+}
+
+TEST(Geometry, LocateInvertsPointForBothKindsOfRays) {
+  PanoramaGrid grid = some_grid();
+  for (const Rays rays : {Rays::pushbroom, Rays::central}) {
+    grid.rays = rays;
+    for (double x = 10.5; x < 2000; x += 100) {
+      const double y = x / 3;
+      const PanoramaPosition back = locate(grid, grid.point(grid.theta(x), grid.v(y), 0.4));
+      EXPECT_NEAR(back.x_px, x, 1e-9);
+      EXPECT_NEAR(back.y_px, y, 1e-9);
+      EXPECT_NEAR(back.inverse_depth, 0.4, 1e-12);
+    }
+  }
+}
+
+TEST(Geometry, AnglesGrowAnticlockwiseSeenFromAbove) {
+  const Arc arc;
+  EXPECT_NEAR((arc.outward(std::numbers::pi / 2) - Eigen::Vector3d(0, 1, 0)).norm(), 0, 1e-12);
+  EXPECT_NEAR((arc.axis() - Eigen::Vector3d(0, 0, 1)).norm(), 0, 1e-12);
+}
+
+TEST(Disparity, UniformCodesAreTheLabelsOfThePaper) {
+  DisparityMap map(16, 1);
+  for (int l = 0; l < 16; ++l) map.at(l, 0) = static_cast<uint16_t>(255 * l);
+  const DepthCodes depth = encode_depth(map, 0);
+  for (int l = 0; l < 16; ++l) {
+    EXPECT_EQ(depth.codes.at(l, 0), l);
+    EXPECT_EQ(depth.disparity(l, 0), 255 * l);
+  }
+}
+
+TEST(Disparity, BlockCodesAreWithinHalfAStepOfTheirRange) {
+  std::mt19937 random(7);
+  DisparityMap map(37, 21, kNoDisparity);
+  Plane<uint8_t> coverage(37, 21, 0);
+  for (size_t i = 0; i < map.samples.size(); ++i) {
+    if (random() % 3 == 0) continue;
+    map.samples[i] = static_cast<uint16_t>(1000 + random() % 300);
+    coverage.samples[i] = 1;
+  }
+  const DisparityMap back = decode_depth(encode_depth(map, 8), coverage);
+  for (size_t i = 0; i < map.samples.size(); ++i) {
+    if (!coverage.samples[i])
+      EXPECT_EQ(back.samples[i], kNoDisparity);
+    else
+      EXPECT_LE(std::abs(back.samples[i] - map.samples[i]), (300 + 30) / 15 / 2 + 1);
+  }
+}
+
+TEST(Disparity, EncodingADecodedMapAgainChangesNothing) {
+  std::mt19937 random(9);
+  DisparityMap map(64, 64);
+  for (uint16_t& d : map.samples) d = static_cast<uint16_t>(random() % (kDisparitySteps + 1));
+  const Plane<uint8_t> all(64, 64, 1);
+  const DisparityMap once = decode_depth(encode_depth(map, 16), all);
+  EXPECT_EQ(decode_depth(encode_depth(once, 16), all), once);
+}
+
+TEST(ParallelFor, VisitsEveryItemOnceAndRethrowsTheFirstFailure) {
+  Job job;
+  job.threads = 4;
+  std::vector<int> visits(1000, 0);
+  parallel_for(job, 1000, [&](int i) { ++visits[static_cast<size_t>(i)]; });
+  EXPECT_EQ(visits, std::vector<int>(1000, 1));
+  EXPECT_THROW(parallel_for(job, 10, [](int i) { if (i == 3) throw Impossible("no"); }), Impossible);
+}
+
+TEST(ParallelFor, StopsWhenTheJobIsStopped) {
+  std::stop_source source;
+  source.request_stop();
+  Job job;
+  job.stop = source.get_token();
+  EXPECT_THROW(parallel_for(job, 10, [](int) {}), Cancelled);
+}
+
+}  // namespace
+}  // namespace ldp

@@ -1,0 +1,32 @@
+# Language, warnings, sanitizers: what every target of the project is compiled with.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+set(CMAKE_CXX_FLAGS_RELEASE "-O3")
+set(CMAKE_C_FLAGS_RELEASE "-O3")
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+add_library(ldp_defaults INTERFACE)
+# No contraction of a*b+c: poses and tables must not depend on whether the machine has a fused multiply-add.
+target_compile_options(ldp_defaults INTERFACE -ffp-contract=off)
+target_compile_options(ldp_defaults INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
+                                              -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual)
+if(LDP_WERROR)
+  target_compile_options(ldp_defaults INTERFACE -Werror)
+endif()
+if(LDP_SANITIZE)
+  target_compile_options(ldp_defaults INTERFACE -fsanitize=${LDP_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(ldp_defaults INTERFACE -fsanitize=${LDP_SANITIZE})
+endif()
+
+find_package(Threads REQUIRED)
+find_package(Eigen3 REQUIRED NO_MODULE)
