@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "colour_costs.h"
 #include "cost_source.h"
 #include "job.h"
 #include "plane.h"
@@ -38,19 +39,6 @@ struct Labelling {
 
 // Depth: fixed labels outside `mask` (empty = solve everywhere) are not part of the problem.
 Labelling solve_depth(const CostSource& costs, const Plane<uint8_t>& mask, const SolveOptions& options, const Job& job);
-
-// Colour: a cost of 255 means that the frame does not see the pixel's voxel.
-struct ColourCosts {
-  virtual ~ColourCosts() = default;
-  virtual int width() const = 0;
-  virtual int height() const = 0;
-  virtual bool wraps() const = 0;
-  virtual int frames() const = 0;   // may exceed 16; at most 255
-  // Candidates of one pixel: up to 16 frames by rising index, with their angle in 1/64 degree.. as cost.
-  virtual int candidates(int x, int y, uint8_t frame[16], uint16_t cost[16]) const = 0;
-  virtual uint8_t depth_label(int x, int y) const = 0;
-  virtual bool present(int x, int y) const = 0;
-};
 
 struct ColourSolveOptions {
   double lambda = 2;
