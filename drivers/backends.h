@@ -1,0 +1,21 @@
+// The back-ends behind open_camera, open_button and open_status; one vendor library per source file.
+#pragma once
+
+#include <memory>
+
+#include "button.h"
+#include "camera.h"
+#include "status.h"
+#include "url.h"
+
+namespace ldp {
+
+std::unique_ptr<CameraDevice> open_v4l2_camera(const Url& url);
+std::unique_ptr<CameraDevice> open_libcamera_camera(const Url& url);
+std::unique_ptr<Button> open_gpiod_button(const Url& url);
+std::unique_ptr<StatusChannel> open_gpiod_led(const Url& url);
+std::unique_ptr<StatusChannel> open_lcm_status(const Url& url);
+std::unique_ptr<StatusListener> open_lcm_listener(const Url& url);
+std::unique_ptr<StatusChannel> open_console_status(const Url& url);
+
+}  // namespace ldp

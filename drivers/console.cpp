@@ -1,0 +1,57 @@
+// Status as lines of text on standard error: a terminal's, or journald's.
+#include <cstdio>
+#include <string>
+
+#include "backends.h"
+
+namespace ldp {
+namespace {
+
+constexpr double kDegrees = 57.29577951308232;
+
+class ConsoleStatus final : public StatusChannel {
+ public:
+  void publish(const StatusMessage& message) override {
+    std::visit([this](const auto& m) { say(m); }, message);
+  }
+
+ private:
+  void say(const Status& status) {
+    const std::string line = std::string(name_of(status.phase)) + ": " + status.text;
+    if (line != last_status_) std::fprintf(stderr, "%s\n", line.c_str());  // repeats every second are for the network
+    last_status_ = line;
+  }
+
+  void say(const Progress& progress) {
+    const int percent = static_cast<int>(progress.fraction * 100);
+    if (percent / 10 == last_percent_ / 10 && percent >= last_percent_) return;
+    last_percent_ = percent;
+    std::fprintf(stderr, "building %s: %d %% %s\n", progress.capture.c_str(), percent, progress.stage.c_str());
+  }
+
+  void say(const Guidance& guidance) {
+    if (guidance.advice == last_advice_ && guidance.frames_chosen == last_frames_) return;
+    last_advice_ = guidance.advice;
+    last_frames_ = guidance.frames_chosen;
+    std::fprintf(stderr, "sweep: %d frames, %.0f degrees, %s\n", guidance.frames_chosen,
+                 guidance.covered_rad * kDegrees, name_of(guidance.advice));
+  }
+
+  void say(const Result& result) {
+    std::fprintf(stderr, "%s: %s\n", result.ok ? result.file.c_str() : result.capture.c_str(), result.text.c_str());
+    last_percent_ = -1;
+  }
+
+  std::string last_status_;
+  int last_percent_ = -1, last_frames_ = -1;
+  Advice last_advice_ = Advice::keep_going;
+};
+
+}  // namespace
+
+std::unique_ptr<StatusChannel> open_console_status(const Url& url) {
+  url.allow_only("");
+  return std::make_unique<ConsoleStatus>();
+}
+
+}  // namespace ldp

@@ -1,0 +1,25 @@
+// Cameras and buttons without hardware: ordinary back-ends of drivers/camera.h and drivers/button.h.
+#pragma once
+
+#include <memory>
+
+#include "button.h"
+#include "camera.h"
+#include "url.h"
+
+namespace ldp {
+
+// folder:DIR?fps=30&hold=yes&lost_after=N&stall_after=N
+// The .jpg, .jpeg and .png files of DIR in name order, one per tick of a real clock; the last one is repeated for ever
+// (hold=yes, an arm at rest) or followed by CameraLost (hold=no). JPEG files pass through byte by byte.
+// Faults: lost_after=N throws CameraLost instead of frame N (counted from 0); stall_after=N gives nothing from frame N
+// on.
+std::unique_ptr<CameraDevice> open_folder_camera(const Url& url);
+
+// script:FILE: words press, release and wait MILLISECONDS, played once from opening on.
+std::unique_ptr<Button> open_script_button(const Url& url);
+
+// keyboard: every space or Enter typed on standard input is a press followed by a release.
+std::unique_ptr<Button> open_keyboard_button(const Url& url);
+
+}  // namespace ldp
