@@ -1,0 +1,227 @@
+#include "images.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+#include <system_error>
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class Folder {
+ public:
+  Folder() : path_(fs::temp_directory_path() / ("ldp_images_" + std::to_string(::getpid()))) {
+    fs::create_directories(path_);
+  }
+  ~Folder() { fs::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  fs::path operator/(const char* name) const { return path_ / name; }
+  size_t files() const {
+    return static_cast<size_t>(std::distance(fs::directory_iterator(path_), fs::directory_iterator()));
+  }
+
+ private:
+  fs::path path_;
+};
+
+// Smooth in x and y, a step in the middle.
+RgbImage some_image(int width, int height) {
+  RgbImage image(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      image.at(x, y) = {static_cast<uint8_t>(x * 255 / width), static_cast<uint8_t>(y * 255 / height),
+                        static_cast<uint8_t>(x < width / 2 ? 40 : 200)};
+  return image;
+}
+
+double rms(const RgbImage& a, const RgbImage& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.samples.size(); ++i) {
+    const Rgb p = a.samples[i];
+    const Rgb q = b.samples[i];
+    sum += std::pow(p.r - q.r, 2) + std::pow(p.g - q.g, 2) + std::pow(p.b - q.b, 2);
+  }
+  return std::sqrt(sum / (3.0 * static_cast<double>(a.samples.size())));
+}
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::exception& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+// A little-endian EXIF block with orientation and 35 mm focal length.
+std::vector<uint8_t> exif(uint8_t orientation, uint8_t focal_35mm) {
+  return {'E', 'x', 'i', 'f',         0,    0,    'I', 'I',  42,   0, 8, 0, 0,          0, 2, 0,  0x12, 0x01, 3, 0, 1,
+          0,   0,   0,   orientation, 0,    0,    0,   0x69, 0x87, 4, 0, 1, 0,          0, 0, 38, 0,    0,    0, 0, 0,
+          0,   0,   1,   0,           0x05, 0xA4, 3,   0,    1,    0, 0, 0, focal_35mm, 0, 0, 0,  0,    0,    0, 0};
+}
+
+TEST(Png, KeepsEveryPixel) {
+  std::mt19937 random(3);
+  RgbImage image(37, 21);
+  for (Rgb& c : image.samples)
+    c = {static_cast<uint8_t>(random()), static_cast<uint8_t>(random()), static_cast<uint8_t>(random())};
+  EXPECT_EQ(decode_image(encode_png(image), "a"), image);
+  EXPECT_EQ(decode_image(encode_png(image, Plane<uint8_t>(37, 21, 7)), "a"), image)
+      << "transparency is dropped, not mixed in";
+}
+
+TEST(Png, GreyIsReadAsThreeEqualChannelsAndSixteenBitsAreRounded) {
+  Plane<uint16_t> grey(2, 1);
+  grey.samples = {0x1234, 0xFFFF};
+  const RgbImage back = decode_image(encode_png(grey), "a");
+  EXPECT_EQ(back.at(0, 0), (Rgb{0x12, 0x12, 0x12}));
+  EXPECT_EQ(back.at(1, 0), (Rgb{255, 255, 255}));
+}
+
+TEST(Jpeg, IsCloseAndCloserAtHigherQuality) {
+  const RgbImage image = some_image(160, 120);
+  const double at_75 = rms(decode_image(encode_jpeg(image, 75), "a"), image);
+  const double at_95 = rms(decode_image(encode_jpeg(image, 95), "a"), image);
+  EXPECT_LT(at_75, 6);
+  EXPECT_LT(at_95, at_75);
+}
+
+TEST(Jpeg, EveryEarlyEndIsAnErrorThatNamesTheFile) {
+  const std::vector<uint8_t> bytes = encode_jpeg(some_image(64, 48), 80);
+  for (size_t length = 0; length + 2 < bytes.size(); ++length) {
+    const std::string message = message_of([&] { decode_image(std::span(bytes).first(length), "leaf.jpg"); });
+    ASSERT_THAT(message, HasSubstr("leaf.jpg: ")) << length;
+  }
+}
+
+TEST(Png, EveryEarlyEndIsAnErrorThatNamesTheFile) {
+  const std::vector<uint8_t> bytes = encode_png(some_image(16, 12));
+  for (size_t length = 0; length < bytes.size(); ++length)
+    ASSERT_THAT(message_of([&] { decode_image(std::span(bytes).first(length), "leaf.png"); }), HasSubstr("leaf.png: "))
+        << length;
+}
+
+TEST(Images, RandomDamageNeverDoesMoreThanThrow) {
+  std::mt19937 random(11);
+  for (std::vector<uint8_t> sound : {encode_jpeg(some_image(40, 30), 80), encode_png(some_image(40, 30))})
+    for (int i = 0; i < 3000; ++i) {
+      std::vector<uint8_t> bytes = sound;
+      // Leave the size fields alone: a huge but lawful size is only slow.
+      const size_t header = bytes[0] == 0xFF ? 200 : 33;
+      bytes[header + random() % (bytes.size() - header)] ^= static_cast<uint8_t>(1 + random() % 255);
+      try {
+        const RgbImage image = decode_image(bytes, "a");
+        EXPECT_LE(image.samples.size(), size_t{1} << 20);
+      } catch (const std::runtime_error&) {
+      }
+    }
+}
+
+TEST(Images, SomethingElseIsNamedAsSuch) {
+  const std::vector<uint8_t> text = {'h', 'e', 'l', 'l', 'o'};
+  EXPECT_EQ(message_of([&] { decode_image(text, "notes.txt"); }), "notes.txt: neither a JPEG nor a PNG file");
+}
+
+TEST(Images, ASizeBeyondTheLimitsIsRefusedBeforeAnythingIsAllocated) {
+  std::vector<uint8_t> bytes = encode_jpeg(some_image(16, 16), 80);
+  const std::array<uint8_t, 2> start_of_frame = {0xFF, 0xC0};
+  const auto sof = std::search(bytes.begin(), bytes.end(), start_of_frame.begin(), start_of_frame.end());
+  ASSERT_NE(sof, bytes.end());
+  for (int i = 5; i < 9; ++i) sof[i] = 0xFF;
+  EXPECT_THAT(message_of([&] { decode_image(bytes, "big.jpg"); }), HasSubstr("big.jpg: "));
+}
+
+TEST(Photo, OrientationAndFocalLengthComeFromExif) {
+  const Folder folder;
+  const RgbImage stored = some_image(48, 32);
+  for (int orientation = 1; orientation <= 8; ++orientation) {
+    const JpegSegment segment{0xE1, exif(static_cast<uint8_t>(orientation), 36)};
+    write_file(folder / "a.jpg", encode_jpeg(stored, 100, {&segment, 1}));
+    const Photo photo = read_photo(folder / "a.jpg");
+    const bool turned = orientation >= 5;
+    EXPECT_EQ(photo.full_size, (turned ? ImageSize{32, 48} : ImageSize{48, 32}));
+    EXPECT_EQ(read_image_size(folder / "a.jpg"), photo.full_size);
+    ASSERT_TRUE(photo.focal_hint);
+    EXPECT_NEAR(*photo.focal_hint, 1.0, 1e-9);
+    // Where the stored top left corner (red 0, green 0) and the stored top right (red 255) are to be seen.
+    const int right = photo.image.width - 1;
+    const int bottom = photo.image.height - 1;
+    const std::array<std::array<int, 2>, 9> origin = {
+        {{0, 0}, {0, 0}, {right, 0}, {right, bottom}, {0, bottom}, {0, 0}, {right, 0}, {right, bottom}, {0, bottom}}};
+    const auto [x, y] = origin[static_cast<size_t>(orientation)];
+    EXPECT_LT(photo.image.at(x, y).r + photo.image.at(x, y).g, 25) << orientation;
+    const Rgb along = turned ? photo.image.at(x, bottom - y) : photo.image.at(right - x, y);
+    EXPECT_GT(along.r, 230) << orientation;
+    EXPECT_LT(along.g, 25) << orientation;
+  }
+}
+
+TEST(Photo, ALargePhotoIsReadInTheSizeAskedFor) {
+  const Folder folder;
+  const RgbImage image = some_image(403, 302);
+  write_file(folder / "a.jpg", encode_jpeg(image, 95));
+  write_file(folder / "a.png", encode_png(image));
+  const Photo jpeg = read_photo(folder / "a.jpg", 32000);
+  EXPECT_EQ(jpeg.scale, 0.5);
+  EXPECT_EQ(jpeg.image.width, 202);
+  EXPECT_EQ(jpeg.full_size, (ImageSize{403, 302}));
+  const Photo png = read_photo(folder / "a.png", 32000);
+  EXPECT_EQ(png.scale, 0.5);
+  EXPECT_EQ(png.image.width, 201);
+  for (int x = 10; x < 190; x += 20) EXPECT_NEAR(jpeg.image.at(x, 60).r, png.image.at(x, 60).r, 4);
+  EXPECT_EQ(png.image.at(7, 9).g, (image.at(14, 18).g + image.at(14, 19).g + 1) / 2);
+  EXPECT_THAT(message_of([&] { read_photo(folder / "a.jpg", 100); }), HasSubstr("cannot be reduced to 100 pixels"));
+}
+
+TEST(Pfm, KeepsEveryValueAndRefusesEarlyEnds) {
+  Plane<float> values(5, 3);
+  for (size_t i = 0; i < values.samples.size(); ++i) values.samples[i] = static_cast<float>(i) * 1.1f;
+  values.samples[4] = std::numeric_limits<float>::infinity();
+  const std::vector<uint8_t> bytes = encode_pfm(values);
+  EXPECT_EQ(decode_pfm(bytes, "a"), values);
+  for (size_t length = 0; length < bytes.size(); ++length)
+    ASSERT_THROW(decode_pfm(std::span(bytes).first(length), "a"), std::runtime_error);
+}
+
+TEST(Files, AreWrittenWholeOrNotAtAll) {
+  const Folder folder;
+  const std::vector<uint8_t> first = {1, 2, 3};
+  const std::vector<uint8_t> second = {4, 5};
+  write_file(folder / "a", first);
+  write_file(folder / "a", second);
+  EXPECT_EQ(read_file(folder / "a"), second);
+  EXPECT_EQ(folder.files(), 1u);
+  EXPECT_THAT(message_of([&] { write_file(folder / "missing/a", first); }), HasSubstr("missing/a"));
+  fs::create_directory(folder / "taken");
+  EXPECT_THROW(write_file(folder / "taken", first), std::system_error);
+  EXPECT_EQ(folder.files(), 2u);
+  EXPECT_EQ(MappedFile(folder / "a").bytes().size(), 2u);
+}
+
+TEST(Files, ALinkStaysALink) {
+  const Folder folder;
+  write_file(folder / "a", std::vector<uint8_t>{1});
+  fs::create_symlink("a", folder / "link");
+  write_file(folder / "link", std::vector<uint8_t>{2});
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(read_file(folder / "a"), std::vector<uint8_t>{2});
+}
+
+TEST(Files, MissingOnesAreNamed) {
+  EXPECT_THAT(message_of([] { read_file("/nowhere/a.jpg"); }), HasSubstr("/nowhere/a.jpg"));
+  EXPECT_THAT(message_of([] { read_file("/"); }), HasSubstr("Is a directory"));
+}
+
+}  // namespace
+}  // namespace ldp
