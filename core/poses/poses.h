@@ -18,9 +18,9 @@
 namespace ldp {
 
 struct PosesOptions {
-  std::optional<double> fov_rad;   // horizontal field of view of the photos if known roughly; else EXIF; else estimated
-  double arm_length = 0.65;        // radius given to the cameras' circle, capture's unit (metres)
-  unsigned seed = 1;               // of every random choice
+  std::optional<double> fov_rad;  // horizontal field of view of the photos if known roughly; else EXIF; else estimated
+  double arm_length = 0.65;       // radius given to the cameras' circle, capture's unit (metres)
+  unsigned seed = 1;              // of every random choice
 };
 
 enum class Motion { arc, straight, rotation };
@@ -35,15 +35,15 @@ struct FrameReport {
 
 struct PosesReport {
   Motion motion = Motion::arc;
-  bool closed = false;         // the sweep closes on itself
+  bool closed = false;  // the sweep closes on itself
   std::vector<FrameReport> frames;
   double reprojection_px = 0;  // root mean square over all inliers
   int points = 0;
 };
 
 struct Poses {
-  std::vector<Camera> cameras;      // posed frames only, in frame order, named after their frames
-  std::vector<int> frame_of_camera; // index in the FrameSource of each camera
+  std::vector<Camera> cameras;       // posed frames only, in frame order, named after their frames
+  std::vector<int> frame_of_camera;  // index in the FrameSource of each camera
   std::vector<ScenePoint> points;
   PosesReport report;
 };
@@ -53,6 +53,7 @@ Poses estimate_poses(const FrameSource& frames, const PosesOptions& options, con
 
 // The same points and report for cameras that are already known (matched to frames by name; frames without a camera
 // are reported as dropped). Cameras are left exactly as given. Throws Impossible when fewer than 3 names match.
-Poses triangulate(const FrameSource& frames, const std::vector<Camera>& cameras, const PosesOptions& options, const Job& job);
+Poses triangulate(const FrameSource& frames, const std::vector<Camera>& cameras, const PosesOptions& options,
+                  const Job& job);
 
 }  // namespace ldp

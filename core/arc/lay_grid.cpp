@@ -1,0 +1,164 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "arc.h"
+
+namespace ldp {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kSteepest = 4;          // |v|, i.e. 76 degrees: a cylinder shows nothing useful beyond
+constexpr double kLowestShare = 0.02;    // percentiles of the points' inverse depths taken as far and near
+constexpr double kMargin = 1.15;         // on the near side, for what no feature point was found on
+constexpr double kFarRadii = 100;        // farther than this many radii is infinity
+constexpr double kFarLabels = 1.5 / 15;  // so is what lies so little of the range from it: skies have no feature points
+
+struct InverseDepths {
+  double far = 0, near = 0;
+};
+
+double percentile(std::vector<double>& values, double share) {
+  const auto rank = static_cast<std::ptrdiff_t>(std::lround(share * static_cast<double>(values.size() - 1)));
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return values[static_cast<size_t>(rank)];
+}
+
+double length_scale(const Arc& arc) { return arc.radius > 0 ? arc.radius : 1; }
+
+// From the points where the options leave it open. Points inside the circle of the ray origins have no depth.
+InverseDepths depth_range(const PanoramaGrid& grid, const std::vector<ScenePoint>& points, const GridOptions& options) {
+  std::vector<double> inverse;
+  for (const ScenePoint& point : points) {
+    const double w = locate(grid, point.position).inverse_depth;
+    if (w >= 0) inverse.push_back(w);
+  }
+  const double scale = length_scale(grid.arc);
+  InverseDepths range{0, 1 / scale};
+  if (!inverse.empty()) {
+    range.near = kMargin * percentile(inverse, 1 - kLowestShare);
+    range.far = percentile(inverse, kLowestShare) / kMargin;
+  }
+  if (options.near_depth > 0) range.near = 1 / options.near_depth;
+  range.near = std::max(range.near, 1 / (kFarRadii * scale));
+  if (options.far_depth > 0) {
+    range.far = 1 / options.far_depth;
+  } else if (range.far * kFarRadii * scale < 1 || range.far < kFarLabels * range.near) {
+    range.far = 0;
+  }
+  return range;
+}
+
+// Where a line of sight meets the cylinder of inverse depth w: angle from the camera's place on the arc, and v.
+struct Sight {
+  double theta = 0, v = 0;
+};
+
+bool meets(const PanoramaGrid& grid, const Pose& pose, const Eigen::Vector3d& ray_in_camera, double w, Sight& sight) {
+  const Eigen::Matrix3d arc_from_world = grid.arc.world_from_arc.transpose();
+  const Eigen::Vector3d o = arc_from_world * (pose.centre - grid.arc.centre);
+  const Eigen::Vector3d d = arc_from_world * pose.world_from_camera * ray_in_camera;
+  const double a = d.head<2>().squaredNorm(), horizontal = std::sqrt(a);
+  if (horizontal < 1e-6 * d.norm()) return false;  // straight up
+  if (w <= 0) {
+    sight = {std::atan2(d.y(), d.x()), d.z() / horizontal};
+    return true;
+  }
+  const double radius = grid.ray_radius() + 1 / w, b = o.head<2>().dot(d.head<2>());
+  const double discriminant = b * b - a * (o.head<2>().squaredNorm() - radius * radius);
+  if (discriminant < 0) return false;
+  const double t = (-b + std::sqrt(discriminant)) / a;
+  if (t <= 0) return false;
+  const Eigen::Vector3d p = o + t * d;
+  sight = {std::atan2(p.y(), p.x()), p.z() * w};
+  return true;
+}
+
+struct Extent {
+  double low = 0, high = 0;
+  void take(double value) { low = std::min(low, value), high = std::max(high, value); }
+};
+
+std::array<Eigen::Vector2d, 8> border(const Intrinsics& k) {
+  const double w = k.width, h = k.height;
+  return {{{0, 0}, {w / 2, 0}, {w, 0}, {0, h / 2}, {w, h / 2}, {0, h}, {w / 2, h}, {w, h}}};
+}
+
+// A straight path was given a huge circle: there a column as wide as a photo's pixel at infinity would be metres wide
+// nearby, and the ends of the panorama would lie far beyond what is seen. The middle of the depth range rules instead.
+double middle_depth(const PanoramaGrid& grid) { return 2 / (grid.w_far + grid.w_near); }
+bool nearly_straight(const PanoramaGrid& grid) { return grid.ray_radius() > 4 * middle_depth(grid); }
+
+double angular_pitch(const PanoramaGrid& grid, double pixel_rad) {
+  const double depth = middle_depth(grid);
+  return nearly_straight(grid) ? pixel_rad * depth / (grid.ray_radius() + depth) : pixel_rad;
+}
+
+// Everything that the cameras see at the range's two ends.
+void extend(const PanoramaGrid& grid, const std::vector<Camera>& cameras, Extent& theta, Extent& v) {
+  const double farthest = nearly_straight(grid) ? 1 / middle_depth(grid) : grid.w_far;
+  for (const Camera& camera : cameras) {
+    const Eigen::Vector3d q = grid.arc.world_from_arc.transpose() * (camera.pose.centre - grid.arc.centre);
+    const Eigen::Vector3d f = grid.arc.world_from_arc.transpose() * camera.pose.world_from_camera.col(2);
+    const double place = grid.arc.radius > 0 ? std::atan2(q.y(), q.x()) : std::atan2(f.y(), f.x());
+    for (const Eigen::Vector2d& corner : border(camera.intrinsics)) {
+      const Eigen::Vector3d ray = unproject(camera.intrinsics, corner);
+      for (const double w : {farthest, grid.w_near}) {
+        Sight sight;
+        if (!meets(grid, camera.pose, ray, w, sight)) continue;
+        theta.take(place + std::remainder(sight.theta - place, kTurn));
+        v.take(std::clamp(sight.v, -kSteepest, kSteepest));
+      }
+    }
+  }
+}
+
+double focal_px(const std::vector<Camera>& cameras) {
+  std::vector<double> focals;
+  for (const Camera& camera : cameras) focals.push_back(camera.intrinsics.fx);
+  return percentile(focals, 0.5);
+}
+
+void check(const std::vector<Camera>& cameras, const GridOptions& options) {
+  if (cameras.empty()) throw std::logic_error("lay_grid needs at least one camera");
+  if (!(options.pitch_px > 0)) throw std::logic_error("pitch_px must be positive");
+  if (options.near_depth < 0 || options.far_depth < 0) throw std::logic_error("depths must not be negative");
+  if (options.far_depth > 0 && options.near_depth >= options.far_depth) {
+    throw std::logic_error("near_depth must be less than far_depth");
+  }
+}
+
+}  // namespace
+
+PanoramaGrid lay_grid(const Arc& arc, const std::vector<Camera>& cameras, const std::vector<ScenePoint>& points,
+                      const GridOptions& options) {
+  check(cameras, options);
+  PanoramaGrid grid;
+  grid.arc = arc;
+  grid.rays = options.rays;
+  grid.theta_pitch = 1, grid.v_pitch = 1;
+  const InverseDepths range = depth_range(grid, points, options);
+  grid.w_far = range.far;
+  grid.w_near = range.near;
+
+  Extent theta{arc.theta_begin, arc.theta_end}, v;
+  extend(grid, cameras, theta, v);
+  const double pixel_rad = options.pitch_px / focal_px(cameras);
+  grid.theta_pitch = angular_pitch(grid, pixel_rad);
+  grid.v_pitch = pixel_rad;
+  grid.wraps = arc.closed || theta.high - theta.low >= kTurn - grid.theta_pitch;
+  if (grid.wraps) {
+    grid.width = static_cast<int>(std::lround(kTurn / grid.theta_pitch));
+    grid.theta_pitch = kTurn / grid.width;
+    grid.theta_left = 0.5 * (arc.theta_begin + arc.theta_end) + std::numbers::pi;
+  } else {
+    grid.width = static_cast<int>(std::ceil((theta.high - theta.low) / grid.theta_pitch));
+    grid.theta_left = 0.5 * (theta.low + theta.high + grid.width * grid.theta_pitch);
+  }
+  grid.height = static_cast<int>(std::ceil((v.high - v.low) / grid.v_pitch));
+  grid.v_top = 0.5 * (v.low + v.high + grid.height * grid.v_pitch);
+  return grid;
+}
+
+}  // namespace ldp

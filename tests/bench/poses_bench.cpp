@@ -1,0 +1,244 @@
+// Poses of the data sets: how many frames, how far from truth where truth is known, how long.
+//
+//   poses_bench                            the table over every data set
+//   poses_bench FOLDER [--fov DEGREES] [--cameras transforms.json] [--threads N] [-o transforms.json] [-v]
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <stdexcept>
+
+#include "arc.h"
+#include "images.h"
+#include "poses.h"
+
+namespace {
+
+using namespace ldp;
+namespace fs = std::filesystem;
+constexpr double kDegree = std::numbers::pi / 180;
+
+class Folder : public FrameSource {
+ public:
+  explicit Folder(const fs::path& folder) {
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      const std::string extension = entry.path().extension();
+      if (extension == ".jpg" || extension == ".png" || extension == ".JPG") files_.push_back(entry.path());
+    }
+    std::sort(files_.begin(), files_.end());
+  }
+  int size() const override { return static_cast<int>(files_.size()); }
+  std::string name(int i) const override { return files_[static_cast<size_t>(i)].filename(); }
+  RgbImage load(int i) const override { return read_image(files_[static_cast<size_t>(i)]); }
+  std::optional<double> focal_hint(int i) const override {
+    return read_photo(files_[static_cast<size_t>(i)]).focal_hint;
+  }
+
+ private:
+  std::vector<fs::path> files_;
+};
+
+// OpenGL axes (x right, y up, z back) in the file, OpenCV's in the program.
+std::vector<Camera> read_cameras(const fs::path& file) {
+  const nlohmann::json json = nlohmann::json::parse(std::ifstream(file));
+  Intrinsics k{json["w"], json["h"], json["fl_x"], json["fl_y"], json["cx"], json["cy"]};
+  k.k1 = json.value("k1", 0.0), k.k2 = json.value("k2", 0.0), k.p1 = json.value("p1", 0.0),
+  k.p2 = json.value("p2", 0.0);
+  std::vector<Camera> cameras;
+  for (const auto& frame : json["frames"]) {
+    Camera camera{fs::path(frame["file_path"].get<std::string>()).filename(), k, {}};
+    for (int row = 0; row < 3; ++row) {
+      const auto& m = frame["transform_matrix"][static_cast<size_t>(row)];
+      camera.pose.world_from_camera.row(row) << m[0].get<double>(), -m[1].get<double>(), -m[2].get<double>();
+      camera.pose.centre[row] = m[3];
+    }
+    cameras.push_back(camera);
+  }
+  return cameras;
+}
+
+void write_cameras(const fs::path& file, const std::vector<Camera>& cameras) {
+  const Intrinsics& k = cameras.at(0).intrinsics;
+  nlohmann::json json{{"camera_model", "OPENCV"},
+                      {"fl_x", k.fx},
+                      {"fl_y", k.fy},
+                      {"cx", k.cx},
+                      {"cy", k.cy},
+                      {"w", k.width},
+                      {"h", k.height},
+                      {"k1", k.k1},
+                      {"k2", k.k2},
+                      {"p1", k.p1},
+                      {"p2", k.p2}};
+  for (const Camera& camera : cameras) {
+    nlohmann::json matrix;
+    for (int row = 0; row < 3; ++row) {
+      const Eigen::RowVector3d r = camera.pose.world_from_camera.row(row);
+      matrix.push_back({r[0], -r[1], -r[2], camera.pose.centre[row]});
+    }
+    matrix.push_back({0, 0, 0, 1});
+    json["frames"].push_back({{"file_path", camera.name}, {"transform_matrix", matrix}});
+  }
+  std::ofstream(file) << json.dump(1) << "\n";
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values.empty() ? 0 : values[values.size() / 2];
+}
+
+struct Score {
+  double centre_median = 0, centre_max = 0, rotation_median = 0, focal = 0;  // % of the radius, %, degrees, %
+};
+
+// As evaluate.py does: rotation of the alignment from the orientations, scale and shift from the centres.
+Score score(const std::vector<Camera>& found, const std::vector<Camera>& truth) {
+  std::vector<std::pair<Camera, Camera>> both;
+  for (const Camera& t : truth) {
+    for (const Camera& f : found) {
+      if (f.name == t.name) both.emplace_back(f, t);
+    }
+  }
+  Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = a;
+  for (const auto& [f, t] : both) {
+    m += t.pose.world_from_camera * f.pose.world_from_camera.transpose();
+    a += f.pose.centre / static_cast<double>(both.size());
+    b += t.pose.centre / static_cast<double>(both.size());
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d turn = svd.matrixU() * svd.matrixV().transpose();
+  double above = 0, below = 0;
+  for (const auto& [f, t] : both) {
+    above += (t.pose.centre - b).dot(turn * (f.pose.centre - a));
+    below += (f.pose.centre - a).squaredNorm();
+  }
+  const double radius = fit_arc(truth, ArcOptions{}).arc.radius;
+  std::vector<double> centres, turns;
+  for (const auto& [f, t] : both) {
+    centres.push_back((above / below * turn * (f.pose.centre - a) + b - t.pose.centre).norm() / radius * 100);
+    turns.push_back(Eigen::AngleAxisd(t.pose.world_from_camera.transpose() * turn * f.pose.world_from_camera).angle() /
+                    kDegree);
+  }
+  const Intrinsics &kf = both[0].first.intrinsics, &kt = both[0].second.intrinsics;
+  return {median(centres), *std::max_element(centres.begin(), centres.end()), median(turns),
+          100 * std::abs(kf.fx / kf.width / (kt.fx / kt.width) - 1)};
+}
+
+struct Arguments {
+  fs::path folder, cameras, output;
+  double fov = 0;
+  int threads = 2;
+  bool verbose = false;
+};
+
+const char* word(Motion motion) {
+  return motion == Motion::arc ? "arc" : motion == Motion::straight ? "straight" : "rotation";
+}
+
+void print_frames(const PosesReport& report) {
+  for (const FrameReport& f : report.frames) {
+    std::printf("    %-16s %-7s features %5d matches %5d inliers %5d  %.3f px  %s\n", f.name.c_str(),
+                f.posed ? "posed" : "DROPPED", f.features, f.matches, f.inliers, f.reprojection_px, f.reason.c_str());
+  }
+}
+
+void print_arc(const std::vector<Camera>& cameras, const std::vector<ScenePoint>& points) {
+  const ArcFit fit = fit_arc(cameras, ArcOptions{});
+  double radial = 0, height = 0;
+  for (const double r : fit.radial_residuals) radial = std::max(radial, std::abs(r));
+  for (const double h : fit.height_residuals) height = std::max(height, std::abs(h));
+  const PanoramaGrid grid = lay_grid(fit.arc, cameras, points, GridOptions{});
+  std::printf(
+      "    arc: radius %.3f, %.1f to %.1f deg%s%s, worst radial %.3f height %.3f; grid %dx%d%s, depth %.2f to %.2f\n",
+      fit.arc.radius, fit.arc.theta_begin / kDegree, fit.arc.theta_end / kDegree, fit.arc.closed ? ", closed" : "",
+      fit.straight ? ", straight" : "", radial, height, grid.width, grid.height, grid.wraps ? " wraps" : "",
+      1 / grid.w_near, 1 / grid.w_far);
+}
+
+void run(const Arguments& arguments) {
+  const Folder folder(arguments.folder);
+  PosesOptions options;
+  if (arguments.fov > 0) options.fov_rad = arguments.fov * kDegree;
+  Job job;
+  job.threads = arguments.threads;
+  const auto start = std::chrono::steady_clock::now();
+  const clock_t cpu = std::clock();
+  const Poses poses = arguments.cameras.empty() ? estimate_poses(folder, options, job)
+                                                : triangulate(folder, read_cameras(arguments.cameras), options, job);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const PosesReport& report = poses.report;
+  std::printf("%-28s %2zu/%2d posed, %s%s, %5d points, %.3f px, f/w %.4f k1 %.4f k2 %.4f, %.2f s (%.2f s CPU)\n",
+              arguments.folder.parent_path().filename() == "garden" ? "garden" : arguments.folder.filename().c_str(),
+              poses.cameras.size(), folder.size(), word(report.motion), report.closed ? " closed" : "", report.points,
+              report.reprojection_px, poses.cameras[0].intrinsics.fx / poses.cameras[0].intrinsics.width,
+              poses.cameras[0].intrinsics.k1, poses.cameras[0].intrinsics.k2, seconds,
+              static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC);
+  for (const fs::path& truth :
+       {arguments.folder / "transforms.json", arguments.folder.parent_path() / "transforms.json"}) {
+    if (!fs::exists(truth) || !arguments.cameras.empty()) continue;
+    const Score s = score(poses.cameras, read_cameras(truth));
+    std::printf(
+        "    against truth: centre median %.2f %% max %.2f %% of the radius, rotation median %.4f deg, focal %.2f %%\n",
+        s.centre_median, s.centre_max, s.rotation_median, s.focal);
+  }
+  print_arc(poses.cameras, poses.points);
+  if (arguments.verbose) print_frames(report);
+  if (!arguments.output.empty()) write_cameras(arguments.output, poses.cameras);
+}
+
+void run_all(Arguments arguments) {
+  const fs::path data = LDP_SHARED_DATA;
+  for (const char* name :
+       {"scenes/garden/frames", "photos/redkitchen_arc", "photos/courtyard_360", "photos/atrium_360",
+        "photos/desk_sweep", "photos/kitchen_sideways", "photos/apartment_dolly", "photos/arcade_rotation_only"}) {
+    arguments.folder = data / name;
+    try {
+      run(arguments);
+    } catch (const Impossible& e) {
+      std::printf("%-28s impossible: %s\n", arguments.folder.filename().c_str(), e.what());
+    }
+    std::fflush(stdout);
+  }
+}
+
+Arguments parse(int argc, char** argv) {
+  Arguments arguments;
+  for (int i = 1; i < argc; ++i) {
+    const std::string a = argv[i];
+    const auto value = [&] { return i + 1 < argc ? argv[++i] : throw std::runtime_error(a + " needs a value"); };
+    if (a == "--fov")
+      arguments.fov = std::stod(value());
+    else if (a == "--cameras")
+      arguments.cameras = value();
+    else if (a == "--threads")
+      arguments.threads = std::stoi(value());
+    else if (a == "-o")
+      arguments.output = value();
+    else if (a == "-v")
+      arguments.verbose = true;
+    else
+      arguments.folder = a;
+  }
+  return arguments;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const Arguments arguments = parse(argc, argv);
+  if (arguments.folder.empty())
+    run_all(arguments);
+  else
+    run(arguments);
+  return 0;
+} catch (const std::exception& e) {
+  std::fprintf(stderr, "poses_bench: %s\n", e.what());
+  return 1;
+}
