@@ -1,12 +1,86 @@
 // The colour of every pixel of a layer: which photograph it is taken from (a graph cut, paper 3.3.2), then its value.
+//
+// Takes the layers' disparity, the cameras, what hides voxels from them, and the chosen photograph of each pixel; gives
+// the candidates that the cut chooses from, and colours.
+// How: a candidate sees the voxel; it costs the angle between the panorama's ray and the camera's, more where the
+// sample may be mixed with a nearer object's edge. Colours are read from the photograph itself (one resampling), one
+// photograph in memory at a time; what steps remain between photographs are spread over the surfaces on both sides.
+// Does not solve for the choice (solve.h).
 #pragma once
 
+#include <array>
 #include <vector>
 
+#include "colour_costs.h"
 #include "disparity.h"
 #include "frames.h"
 #include "geometry.h"
 #include "job.h"
+#include "panorama.h"
 #include "upright.h"
+#include "visibility.h"
+#include "voxel_projection.h"
 
-namespace ldp {}  // namespace ldp
+namespace ldp {
+
+constexpr uint8_t kNoSource = 255;
+
+struct ColourOptions {
+  double mixed_px = 1.5;    // a sample so close to a nearer surface may be mixed with it
+  double mixed_deg = 8;     // what that costs
+  double off_axis_deg = 2;  // what a sample in the photograph's corner costs (blur, vignetting)
+  int seam_cell_px = 16;    // seams are spread in cells of this size
+  bool even_seams = true;
+};
+
+// The frames that see each pixel of one layer (paper equation 7). References must outlive it.
+class SourceCandidates final : public ColourCosts {
+ public:
+  // `visibility` is empty (nothing hides anything) or has one map per frame.
+  SourceCandidates(const PanoramaGrid& grid, const DisparityMap& layer, const std::vector<UprightFrame>& frames,
+                   const std::vector<VisibilityMap>& visibility, const ColourOptions& options);
+  int width() const override { return grid_.width; }
+  int height() const override { return grid_.height; }
+  bool wraps() const override { return grid_.wraps; }
+  int frames() const override { return static_cast<int>(frames_.size()); }
+  int candidates(int x, int y, uint8_t frame[16], uint16_t cost[16]) const override;
+  uint8_t depth_label(int x, int y) const override;
+  bool present(int x, int y) const override { return layer_.at(x, y) != kNoDisparity; }
+
+ private:
+  struct Seen {
+    bool visible = false, mixed = false;
+  };
+  Seen look(size_t frame, double x_px, double y_px, double inverse_z) const;
+  int cost_from(size_t frame, int x, int y, double w) const;  // negative: does not see it
+
+  const PanoramaGrid& grid_;
+  const DisparityMap& layer_;
+  const std::vector<UprightFrame>& frames_;
+  const std::vector<VisibilityMap>& visibility_;
+  ColourOptions options_;
+  std::vector<VoxelProjection> projections_;
+  std::vector<Heading> headings_;             // of column centres
+  std::vector<std::vector<uint8_t>> facing_;  // frames that may see a column
+};
+
+// What colours are read from. cameras[i] belongs to frames.load(frame_of_camera[i]).
+struct Photographs {
+  const FrameSource& frames;
+  const std::vector<Camera>& cameras;
+  const std::vector<int>& frame_of_camera;
+  std::vector<std::array<float, 3>> gains;  // per camera
+};
+
+// One layer's choice of photographs (kNoSource = none) and where its colours go.
+struct ColourTask {
+  const DisparityMap* disparity = nullptr;
+  const Plane<uint8_t>* source = nullptr;
+  RgbImage* colour = nullptr;  // sized like the grid
+};
+
+// Fills the colours of all layers, reading each photograph once.
+void fetch_colours(const PanoramaGrid& grid, const Photographs& photographs, const std::vector<ColourTask>& tasks,
+                   const ColourOptions& options, const Job& job);
+
+}  // namespace ldp

@@ -1,8 +1,67 @@
-// Layers from disparity: visibility of voxels, and where layers behind the first are wanted (paper 3.3.3, 3.3.4).
+// Layers from disparity: what hides voxels from cameras, and where layers behind the first are wanted
+// (paper 3.3.3, 3.3.4).
+//
+// Takes the disparity maps of the layers so far (front to back, on the panorama's grid) and the upright cameras.
+// Gives visibility maps, the pixels at which some camera sees something that no layer explains yet, and a cost source
+// that ties a layer behind to the background it continues.
+// How: every layer pixel is drawn into every upright camera as a rectangle whose sides it shares with neighbours on the
+// same surface; what stays uncovered in a camera is what the next layer has to show.
+// Does not choose depths or colours.
 #pragma once
 
-#include "disparity.h"
-#include "panorama.h"
-#include "upright.h"
+#include <vector>
 
-namespace ldp {}  // namespace ldp
+#include "cost_source.h"
+#include "disparity.h"
+#include "geometry.h"
+#include "job.h"
+#include "upright.h"
+#include "visibility.h"
+
+namespace ldp {
+
+struct LayersOptions {
+  int shrink = 2;                  // resolution of visibility maps, in upright pixels
+  double tolerance_labels = 0.75;  // a surface hides what lies further behind it than this
+  double connect_labels = 1.25;    // neighbours closer than this in disparity belong to one surface
+  double gap_labels = 1.0;         // a layer behind starts at least so far behind the one in front
+};
+
+constexpr int kLabelSteps = kDisparitySteps / (kLabels - 1);  // disparity steps of one label of 16
+
+// What each camera sees first. Covered pixels hold at least 1, pixels that no layer reaches 0.
+std::vector<VisibilityMap> visibility(const PanoramaGrid& grid, const std::vector<const DisparityMap*>& layers,
+                                      const std::vector<UprightFrame>& frames, const LayersOptions& options,
+                                      const Job& job);
+
+enum Want : uint8_t { kUnwanted = 0, kWanted = 1, kBoundary = 2 };
+
+// Where the next layer is wanted: pixels with a voxel behind `front` that falls on an uncovered pixel of some camera.
+// kBoundary marks unwanted pixels beside wanted ones whose own surface lies behind the neighbour's front: the
+// background that the next layer continues. `front` holds the deepest layer so far, kNoDisparity where it is absent.
+Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front,
+                             const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
+                             const LayersOptions& options, const Job& job);
+
+// Removes from `layer` what no camera sees (pixels become kNoDisparity) and returns the number of pixels kept.
+int drop_unseen(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames,
+                const std::vector<VisibilityMap>& maps, const Job& job, DisparityMap& layer);
+
+// The costs of `inner`, with pixels of `want` marked kBoundary held at the label of `surface`.
+class BoundaryCosts final : public CostSource {
+ public:
+  BoundaryCosts(const CostSource& inner, const Plane<uint8_t>& want, const DisparityMap& surface)
+      : inner_(inner), want_(want), surface_(surface) {}
+  int width() const override { return inner_.width(); }
+  int height() const override { return inner_.height(); }
+  int labels() const override { return inner_.labels(); }
+  bool wraps() const override { return inner_.wraps(); }
+  void read(const Window& window, uint8_t* cost, uint8_t* median) const override;
+
+ private:
+  const CostSource& inner_;
+  const Plane<uint8_t>& want_;
+  const DisparityMap& surface_;
+};
+
+}  // namespace ldp

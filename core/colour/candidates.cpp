@@ -1,0 +1,99 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "colour.h"
+
+namespace ldp {
+namespace {
+
+constexpr double kCostPerDegree = 64;
+constexpr double kCostPerRadian = kCostPerDegree * 180 / std::numbers::pi;
+constexpr int kMaxCandidates = 16;
+constexpr double kBehindCamera = 0.1;  // least forward * w of a voxel worth projecting
+
+}  // namespace
+
+SourceCandidates::SourceCandidates(const PanoramaGrid& grid, const DisparityMap& layer,
+                                   const std::vector<UprightFrame>& frames,
+                                   const std::vector<VisibilityMap>& visibility, const ColourOptions& options)
+    : grid_(grid), layer_(layer), frames_(frames), visibility_(visibility), options_(options) {
+  for (const UprightFrame& frame : frames) projections_.emplace_back(grid, frame.camera);
+  facing_.resize(static_cast<size_t>(grid.width));
+  for (int x = 0; x < grid.width; ++x) {
+    headings_.push_back(heading(grid.theta(x + 0.5)));
+    for (size_t i = 0; i < frames.size(); ++i) {
+      const auto u = projections_[i].column(headings_.back());
+      const bool far = u.forward > kBehindCamera, near = projections_[i].forward(u, grid.w_near) > kBehindCamera;
+      if (far || near) facing_[static_cast<size_t>(x)].push_back(static_cast<uint8_t>(i));
+    }
+  }
+}
+
+SourceCandidates::Seen SourceCandidates::look(size_t frame, double x_px, double y_px, double inverse_z) const {
+  const UprightFrame& upright = frames_[frame];
+  if (!(x_px >= 0.5 && x_px < upright.camera.width - 0.5)) return {};
+  const auto column = static_cast<size_t>(x_px);
+  if (y_px < upright.valid_begin[column] + 0.5 || y_px >= upright.valid_end[column] - 0.5) return {};
+  if (visibility_.empty()) return {true, false};
+  const VisibilityMap& map = visibility_[frame];
+  const int limit = static_cast<int>(inverse_z / map.scale) + map.tolerance;
+  const auto nearest = [&](double x, double y) {
+    const int row = std::clamp(static_cast<int>(y / map.shrink), 0, map.inverse_z.width - 1);
+    const int col = std::clamp(static_cast<int>(x / map.shrink), 0, map.inverse_z.height - 1);
+    return static_cast<int>(map.inverse_z.at(row, col));
+  };
+  if (nearest(x_px, y_px) > limit) return {};
+  const double reach = options_.mixed_px;
+  const bool mixed = nearest(x_px - reach, y_px) > limit || nearest(x_px + reach, y_px) > limit ||
+                     nearest(x_px, y_px - reach) > limit || nearest(x_px, y_px + reach) > limit;
+  return {true, mixed};
+}
+
+int SourceCandidates::cost_from(size_t frame, int x, int y, double w) const {
+  const VoxelProjection& projection = projections_[frame];
+  const auto u = projection.column(headings_[static_cast<size_t>(x)]);
+  const double forward = projection.forward(u, w);
+  if (forward < kBehindCamera) return -1;
+  const double v = grid_.v(y + 0.5);
+  const double right = projection.right(u, w), up = projection.up(v, w);
+  const UprightCamera& camera = frames_[frame].camera;
+  const double x_px = camera.focal * right / forward + camera.cx, y_px = camera.cy - camera.focal * up / forward;
+  const Seen seen = look(frame, x_px, y_px, w / forward);
+  if (!seen.visible) return -1;
+  // Chord between the unit vectors of both rays: the angle, to 2 % up to 40 degrees.
+  const double length2 = (right * right + forward * forward + up * up) * (1 + v * v);
+  const double cosine = (right * u.right + forward * u.forward + up * v) / std::sqrt(length2);
+  const double chord = std::sqrt(std::max(0.0, 2 - 2 * cosine));
+  const double off_x = (x_px - camera.cx) / camera.width, off_y = (y_px - camera.cy) / camera.height;
+  const double off_axis = options_.off_axis_deg * 2 * (off_x * off_x + off_y * off_y);
+  const double cost = chord * kCostPerRadian + kCostPerDegree * (off_axis + (seen.mixed ? options_.mixed_deg : 0));
+  return static_cast<int>(std::min(cost, 65534.0));
+}
+
+int SourceCandidates::candidates(int x, int y, uint8_t frame[16], uint16_t cost[16]) const {
+  const double w = grid_.inverse_depth(layer_.at(x, y));
+  int count = 0;
+  for (const uint8_t i : facing_[static_cast<size_t>(x)]) {
+    const int c = cost_from(i, x, y, w);
+    if (c < 0) continue;
+    if (count == kMaxCandidates) {  // the dearest makes room, so that frames stay in rising order
+      const auto dearest = std::max_element(cost, cost + count) - cost;
+      if (cost[dearest] <= c) continue;
+      std::copy(cost + dearest + 1, cost + count, cost + dearest);
+      std::copy(frame + dearest + 1, frame + count, frame + dearest);
+      --count;
+    }
+    frame[count] = i;
+    cost[count++] = static_cast<uint16_t>(c);
+  }
+  return count;
+}
+
+uint8_t SourceCandidates::depth_label(int x, int y) const {
+  const int d = layer_.at(x, y);
+  if (d == kNoDisparity) return 0;
+  return static_cast<uint8_t>((d * (kLabels - 1) + kDisparitySteps / 2) / kDisparitySteps);
+}
+
+}  // namespace ldp

@@ -1,0 +1,92 @@
+#include "photo_sampler.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ldp {
+namespace {
+
+constexpr int kSubpixels = 64;
+constexpr int kWeightSum = 1024;
+
+using Weights = std::array<int, 4>;
+
+// Catmull-Rom weights at t / kSubpixels between the second and third of four samples; their sum is kWeightSum.
+constexpr std::array<Weights, kSubpixels> cubic_weights() {
+  std::array<Weights, kSubpixels> table{};
+  constexpr int kDivisor = 2 * kSubpixels * kSubpixels * kSubpixels / kWeightSum;
+  for (int t = 0; t < kSubpixels; ++t) {
+    const int s = kSubpixels;
+    Weights& w = table[static_cast<size_t>(t)];
+    w[0] = (-t * t * t + 2 * s * t * t - s * s * t) / kDivisor;
+    w[1] = (3 * t * t * t - 5 * s * t * t + 2 * s * s * s) / kDivisor;
+    w[3] = (t * t * t - s * t * t) / kDivisor;
+    w[2] = kWeightSum - w[0] - w[1] - w[3];
+  }
+  return table;
+}
+
+constexpr std::array<Weights, kSubpixels> kCubicWeights = cubic_weights();
+
+Colour interpolate(const RgbImage& photo, const Eigen::Vector2d& position_px) {
+  const auto fixed = [](double p, int size) {
+    return static_cast<int>(std::floor((std::clamp(p, 0.0, static_cast<double>(size)) - 0.5) * kSubpixels + 0.5));
+  };
+  const int fx = fixed(position_px.x(), photo.width), fy = fixed(position_px.y(), photo.height);
+  const int x0 = (fx + kSubpixels) / kSubpixels - 1, y0 = (fy + kSubpixels) / kSubpixels - 1;
+  const Weights& wx = kCubicWeights[static_cast<size_t>(fx - x0 * kSubpixels)];
+  const Weights& wy = kCubicWeights[static_cast<size_t>(fy - y0 * kSubpixels)];
+  Colour sum{};
+  for (int j = 0; j < 4; ++j) {
+    const Rgb* row = photo.row(std::clamp(y0 + j - 1, 0, photo.height - 1));
+    Colour line{};
+    for (int i = 0; i < 4; ++i) {
+      const Rgb c = row[std::clamp(x0 + i - 1, 0, photo.width - 1)];
+      const int w = wx[static_cast<size_t>(i)];
+      line[0] += w * c.r, line[1] += w * c.g, line[2] += w * c.b;
+    }
+    for (size_t k = 0; k < 3; ++k) sum[k] += wy[static_cast<size_t>(j)] * line[k];
+  }
+  constexpr int kDivisor = kWeightSum * kWeightSum / kColourSteps;
+  for (int& channel : sum) channel = std::clamp((channel + kDivisor / 2) / kDivisor, 0, 255 * kColourSteps);
+  return sum;
+}
+
+}  // namespace
+
+PhotoSampler::PhotoSampler(const PanoramaGrid& grid, const Camera& camera, const std::array<float, 3>& gain)
+    : grid_(grid), intrinsics_(camera.intrinsics) {
+  const Eigen::Matrix3d m = camera.pose.world_from_camera.transpose() * grid.arc.world_from_arc;
+  const Eigen::Vector3d a = camera.pose.world_from_camera.transpose() * (grid.arc.centre - camera.pose.centre);
+  for (int i = 0; i < 9; ++i) camera_from_arc_[static_cast<size_t>(i)] = snapped(m(i / 3, i % 3));
+  for (int i = 0; i < 3; ++i) offset_[static_cast<size_t>(i)] = snapped(a[i]);
+  for (size_t k = 0; k < 3; ++k) gain_[k] = static_cast<int>(std::lround(gain[k] * 4096));
+  taps_ = std::clamp(static_cast<int>(std::lround(grid.v_pitch * intrinsics_.fy)), 1, 4);
+  for (int i = 0; i < grid.width * taps_; ++i) headings_.push_back(heading(grid.theta((i + 0.5) / taps_)));
+}
+
+Eigen::Vector2d PhotoSampler::position(Heading u, double v, double w) const {
+  const double reach = grid_.ray_radius() * w + 1;
+  const double px = reach * u.cos, py = reach * u.sin;
+  std::array<double, 3> q;
+  for (size_t i = 0; i < 3; ++i)
+    q[i] = w * offset_[i] + camera_from_arc_[3 * i] * px + camera_from_arc_[3 * i + 1] * py +
+           camera_from_arc_[3 * i + 2] * v;
+  return project(intrinsics_, Eigen::Vector3d(q[0], q[1], q[2]));
+}
+
+Colour PhotoSampler::sample(const RgbImage& photo, int x, int y, double w) const {
+  Colour sum{};
+  for (int j = 0; j < taps_; ++j)
+    for (int i = 0; i < taps_; ++i) {
+      const Heading u = headings_[static_cast<size_t>(x * taps_ + i)];
+      const Colour c = interpolate(photo, position(u, grid_.v(y + (j + 0.5) / taps_), w));
+      for (size_t k = 0; k < 3; ++k) sum[k] += c[k];
+    }
+  const int count = taps_ * taps_;
+  Colour colour{};
+  for (size_t k = 0; k < 3; ++k) colour[k] = static_cast<int>(int64_t{sum[k]} * gain_[k] / (int64_t{4096} * count));
+  return colour;
+}
+
+}  // namespace ldp

@@ -1,0 +1,26 @@
+// Steps of brightness between photographs, spread over the surfaces on both sides of their border.
+//
+// A gradient-domain correction in little memory: an offset per channel for every (cell, photograph) pair, so that
+// offsets may jump where photographs meet and are smooth elsewhere. Minimises (2)
+//   sum over borders (o_a - o_b - step)^2 + k sum over neighbouring cells of one photograph (o - o')^2 + e sum o^2.
+#pragma once
+
+#include <vector>
+
+#include "colour.h"
+#include "photo_sampler.h"
+
+namespace ldp {
+
+// At a pixel of photograph `own`, beside one of photograph `other`, on the same surface: what `other` shows there.
+struct SeamSample {
+  int x = 0, y = 0;
+  uint8_t own = 0, other = 0;
+  Colour step{};  // other minus own
+};
+
+// Changes the colours of all tasks. Samples may come in any order that does not depend on threads.
+void even_seams(const PanoramaGrid& grid, const std::vector<ColourTask>& tasks, const std::vector<SeamSample>& samples,
+                const ColourOptions& options, const Job& job);
+
+}  // namespace ldp

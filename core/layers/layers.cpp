@@ -1,0 +1,271 @@
+#include "layers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "voxel_projection.h"
+
+namespace ldp {
+namespace {
+
+constexpr uint16_t kUncovered = 0;
+constexpr int kColumnsAtOnce = 64;  // between two looks at the stop token
+
+double inverse_depth(const PanoramaGrid& grid, double disparity) { return grid.inverse_depth(disparity); }
+
+int neighbour_column(const PanoramaGrid& grid, int x) {
+  if (x >= 0 && x < grid.width) return x;
+  return grid.wraps ? (x + grid.width) % grid.width : -1;
+}
+
+std::vector<Heading> edge_headings(const PanoramaGrid& grid) {
+  std::vector<Heading> edges(static_cast<size_t>(grid.width) + 1);
+  for (int x = 0; x <= grid.width; ++x) edges[static_cast<size_t>(x)] = heading(grid.theta(x));
+  return edges;
+}
+
+// First map pixel whose centre lies at or after a position in upright pixels.
+int first_pixel(double position_px, int shrink, int limit) {
+  const double pixel = std::ceil(position_px / shrink - 0.5);
+  return static_cast<int>(std::clamp(pixel, 0.0, static_cast<double>(limit)));
+}
+
+// Draws the layers into one camera's map.
+class MapPainter {
+ public:
+  MapPainter(const PanoramaGrid& grid, const std::vector<Heading>& edges, const UprightCamera& camera,
+             const LayersOptions& options)
+      : grid_(grid),
+        edges_(edges),
+        projection_(grid, camera),
+        connect_(static_cast<int>(options.connect_labels * kLabelSteps)),
+        sees_(edges.size() - 1) {
+    for (size_t x = 0; x < sees_.size(); ++x) sees_[x] = in_view(edges[x]) || in_view(edges[x + 1]);
+    const int columns = (camera.width + options.shrink - 1) / options.shrink;
+    const int rows = (camera.height + options.shrink - 1) / options.shrink;
+    const double nearest = std::max(grid.w_near, 1e-9) * 4;  // cameras stand off the ray origins: some room
+    map_.inverse_z = Plane<uint16_t>(rows, columns, kUncovered);
+    map_.scale = nearest / 65535;
+    map_.shrink = options.shrink;
+    const double label = (grid.w_near - grid.w_far) / (kLabels - 1);
+    map_.tolerance = static_cast<int>(std::min(65535.0, std::ceil(options.tolerance_labels * label / map_.scale)));
+  }
+
+  void paint(const DisparityMap& layer, int x_begin, int x_end) {
+    for (int y = 0; y < grid_.height; ++y) {
+      const uint16_t* row = layer.row(y);
+      for (int x = x_begin; x < x_end; ++x) {
+        if (row[x] == kNoDisparity || !sees_column(x)) continue;
+        const int left = neighbour_column(grid_, x - 1), right = neighbour_column(grid_, x + 1);
+        const double d_left = left < 0 ? row[x] : shared_edge(row[x], row[left]);
+        const double d_right = right < 0 ? row[x] : shared_edge(row[x], row[right]);
+        paint_pixel(x, y, d_left, row[x], d_right);
+      }
+    }
+  }
+
+  VisibilityMap take() {
+    close_hairlines();
+    return std::move(map_);
+  }
+
+ private:
+  double shared_edge(int d, int neighbour) const {
+    if (neighbour == kNoDisparity || std::abs(d - neighbour) > connect_) return d;
+    return 0.5 * (d + neighbour);
+  }
+
+  bool sees_column(int x) const { return sees_[static_cast<size_t>(x)] != 0; }
+
+  // May any voxel of this heading appear in the map?
+  bool in_view(Heading h) const {
+    const auto u = projection_.column(h);
+    return u.forward > 0.2 || projection_.forward(u, grid_.w_near) > 0.2;
+  }
+
+  void paint_pixel(int x, int y, double d_left, double d, double d_right) {
+    const auto left = projection_.column(edges_[static_cast<size_t>(x)]);
+    const auto right = projection_.column(edges_[static_cast<size_t>(x) + 1]);
+    const VoxelProjection::Column middle{0.5 * (left.right + right.right), 0.5 * (left.forward + right.forward)};
+    const double w_left = inverse_depth(grid_, d_left), w = inverse_depth(grid_, d),
+                 w_right = inverse_depth(grid_, d_right);
+    const double forward = projection_.forward(middle, w);
+    if (forward < 0.1 || projection_.forward(left, w_left) < 0.1 || projection_.forward(right, w_right) < 0.1) return;
+    const int shrink = map_.shrink;
+    const int x0 = first_pixel(projection_.x_px(left, w_left), shrink, map_.inverse_z.height);
+    const int x1 = first_pixel(projection_.x_px(right, w_right), shrink, map_.inverse_z.height);
+    if (x0 >= x1) return;
+    const double slope = projection_.row_slope(forward), offset = projection_.row_offset(w, forward);
+    const int y0 = first_pixel(offset + slope * grid_.v(y), shrink, map_.inverse_z.width);
+    const int y1 = first_pixel(offset + slope * grid_.v(y + 1), shrink, map_.inverse_z.width);
+    const auto depth = static_cast<uint16_t>(std::clamp(w / forward / map_.scale, 1.0, 65535.0));
+    for (int column = x0; column < x1; ++column) {
+      uint16_t* out = map_.inverse_z.row(column);
+      for (int row = y0; row < y1; ++row) out[row] = std::max(out[row], depth);
+    }
+  }
+
+  // Gaps one pixel high between rows of one surface come from rounding, not from the scene.
+  void close_hairlines() {
+    for (int column = 0; column < map_.inverse_z.height; ++column) {
+      uint16_t* out = map_.inverse_z.row(column);
+      for (int row = 1; row + 1 < map_.inverse_z.width; ++row)
+        if (out[row] == kUncovered && out[row - 1] != kUncovered && out[row + 1] != kUncovered)
+          out[row] = std::min(out[row - 1], out[row + 1]);
+    }
+  }
+
+  const PanoramaGrid& grid_;
+  const std::vector<Heading>& edges_;
+  VoxelProjection projection_;
+  int connect_;
+  std::vector<uint8_t> sees_;
+  VisibilityMap map_;
+};
+
+// The voxels of one column at one inverse depth, as one camera's map sees them: one map column, rows affine in v.
+struct VoxelColumn {
+  const UprightFrame* frame;
+  const VisibilityMap* map;
+  const uint16_t* inverse_z;  // the map's column
+  int column;                 // of the upright frame
+  double slope, offset;       // upright row = offset + slope v
+};
+
+// Cameras that may see the column's voxels at inverse depth w.
+std::vector<VoxelColumn> voxel_columns(const std::vector<VoxelProjection>& projections,
+                                       const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
+                                       Heading h, double w) {
+  std::vector<VoxelColumn> seen;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const auto u = projections[i].column(h);
+    const double forward = projections[i].forward(u, w);
+    if (forward < 0.1) continue;
+    const double x_px = projections[i].x_px(u, w);
+    if (!(x_px >= 0 && x_px < frames[i].camera.width)) continue;
+    const int column = static_cast<int>(x_px);
+    seen.push_back({&frames[i], &maps[i], maps[i].inverse_z.row(column / maps[i].shrink), column,
+                    projections[i].row_slope(forward), projections[i].row_offset(w, forward)});
+  }
+  return seen;
+}
+
+bool falls_on_uncovered(const VoxelColumn& voxels, double v) {
+  const double y_px = voxels.offset + voxels.slope * v;
+  const auto column = static_cast<size_t>(voxels.column);
+  if (y_px < voxels.frame->valid_begin[column] || y_px >= voxels.frame->valid_end[column]) return false;
+  return voxels.inverse_z[static_cast<int>(y_px) / voxels.map->shrink] == kUncovered;
+}
+
+std::vector<VoxelProjection> projections_of(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames) {
+  std::vector<VoxelProjection> projections;
+  projections.reserve(frames.size());
+  for (const UprightFrame& frame : frames) projections.emplace_back(grid, frame.camera);
+  return projections;
+}
+
+void mark_boundary(const PanoramaGrid& grid, const DisparityMap& front, int gap, Plane<uint8_t>& want) {
+  const auto behind_wanted = [&](int x, int y, int d) {
+    const int column = neighbour_column(grid, x);
+    return column >= 0 && y >= 0 && y < grid.height && want.at(column, y) == kWanted && front.at(column, y) >= d + gap;
+  };
+  for (int y = 0; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x) {
+      const int d = front.at(x, y);
+      if (want.at(x, y) == kWanted || d == kNoDisparity) continue;
+      if (behind_wanted(x - 1, y, d) || behind_wanted(x + 1, y, d) || behind_wanted(x, y - 1, d) ||
+          behind_wanted(x, y + 1, d))
+        want.at(x, y) = kBoundary;
+    }
+}
+
+}  // namespace
+
+std::vector<VisibilityMap> visibility(const PanoramaGrid& grid, const std::vector<const DisparityMap*>& layers,
+                                      const std::vector<UprightFrame>& frames, const LayersOptions& options,
+                                      const Job& job) {
+  if (options.shrink < 1)
+    throw std::logic_error("visibility: shrink is " + std::to_string(options.shrink) + ", must be >= 1");
+  const std::vector<Heading> edges = edge_headings(grid);
+  std::vector<VisibilityMap> maps(frames.size());
+  parallel_for(job, static_cast<int>(frames.size()), [&](int i) {
+    const auto index = static_cast<size_t>(i);
+    MapPainter painter(grid, edges, frames[index].camera, options);
+    for (int x = 0; x < grid.width; x += kColumnsAtOnce) {
+      job.check();
+      for (const DisparityMap* layer : layers) painter.paint(*layer, x, std::min(x + kColumnsAtOnce, grid.width));
+    }
+    maps[index] = painter.take();
+  });
+  return maps;
+}
+
+Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front,
+                             const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
+                             const LayersOptions& options, const Job& job) {
+  const std::vector<VoxelProjection> projections = projections_of(grid, frames);
+  const int gap = static_cast<int>(options.gap_labels * kLabelSteps);
+  Plane<uint8_t> want(grid.width, grid.height, kUnwanted);
+  parallel_for(job, grid.width, [&](int x) {
+    const Heading h = heading(grid.theta(x + 0.5));
+    std::vector<int> nearest(static_cast<size_t>(grid.height));  // of the disparities that lie behind; -1 = settled
+    for (int y = 0; y < grid.height; ++y)
+      nearest[static_cast<size_t>(y)] = front.at(x, y) == kNoDisparity ? -1 : front.at(x, y) - gap;
+    for (int d = 0; d <= kDisparitySteps - gap; d += kLabelSteps)
+      for (const VoxelColumn& voxels : voxel_columns(projections, frames, maps, h, grid.inverse_depth(d)))
+        for (int y = 0; y < grid.height; ++y) {
+          int& bound = nearest[static_cast<size_t>(y)];
+          if (d > bound || !falls_on_uncovered(voxels, grid.v(y + 0.5))) continue;
+          want.at(x, y) = kWanted;
+          bound = -1;
+        }
+  });
+  mark_boundary(grid, front, gap, want);
+  return want;
+}
+
+int drop_unseen(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames,
+                const std::vector<VisibilityMap>& maps, const Job& job, DisparityMap& layer) {
+  const std::vector<VoxelProjection> projections = projections_of(grid, frames);
+  std::vector<int> kept(static_cast<size_t>(grid.width), 0);
+  parallel_for(job, grid.width, [&](int x) {
+    const Heading h = heading(grid.theta(x + 0.5));
+    int cached = -1;
+    std::vector<VoxelColumn> columns;
+    for (int y = 0; y < grid.height; ++y) {
+      uint16_t& d = layer.at(x, y);
+      if (d == kNoDisparity) continue;
+      if (d != cached) columns = voxel_columns(projections, frames, maps, h, grid.inverse_depth(d));
+      cached = d;
+      const double v = grid.v(y + 0.5);
+      const bool seen =
+          std::any_of(columns.begin(), columns.end(), [&](const VoxelColumn& c) { return falls_on_uncovered(c, v); });
+      if (seen)
+        ++kept[static_cast<size_t>(x)];
+      else
+        d = kNoDisparity;
+    }
+  });
+  int total = 0;
+  for (int k : kept) total += k;
+  return total;
+}
+
+void BoundaryCosts::read(const Window& window, uint8_t* cost, uint8_t* median) const {
+  inner_.read(window, cost, median);
+  const int labels = inner_.labels();
+  for (int i = 0; i < window.width; ++i) {
+    const int x = (window.x + i) % inner_.width();
+    for (int j = 0; j < window.height; ++j) {
+      if (want_.at(x, window.y + j) != kBoundary) continue;
+      const int d = surface_.at(x, window.y + j);
+      const int held = (d * (labels - 1) + kDisparitySteps / 2) / kDisparitySteps;
+      uint8_t* out = cost + (static_cast<size_t>(i) * static_cast<size_t>(window.height) + static_cast<size_t>(j)) *
+                                static_cast<size_t>(labels);
+      for (int l = 0; l < labels; ++l) out[l] = l == held ? 0 : 255;
+    }
+  }
+}
+
+}  // namespace ldp
