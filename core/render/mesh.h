@@ -1,0 +1,63 @@
+// The layers of a panorama as one mesh of small quads, prepared once for any number of views.
+//
+// Vertices are the centres of present panorama pixels, lifted to their inverse depth w. A quad lies between four
+// neighbouring pixels. Where all four belong to one surface the quad is solid. Where depth jumps the quad is torn: each
+// surface that touches it becomes a quad of its own whose missing corners are, in this order,
+//   - the pixel of another layer that continues the surface (so layers are sewn together without a seam),
+//   - a copy of the neighbouring corner: opaque where something nearer hides it (the surface goes on underneath),
+//     transparent where nothing nearer does (the silhouette fades over one pixel, which is exactly how bilinear
+//     sampling of the source image would show it).
+//
+// Two neighbours tear when their inverse depths differ by more than their codes' resolution plus what a very slanted
+// surface may change from pixel to pixel.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "panorama.h"
+
+namespace ldp::render {
+
+constexpr int kTilePx = 32;  // quads per tile side; a row of a tile is one 32-bit mask
+
+// Colour and opacity of a vertex: r | g << 8 | b << 16 | a << 24.
+using Rgba = uint32_t;
+inline Rgba pack(Rgb c, uint8_t a) {
+  return static_cast<Rgba>(c.r) | static_cast<Rgba>(c.g) << 8 | static_cast<Rgba>(c.b) << 16 | static_cast<Rgba>(a) << 24;
+}
+inline uint32_t alpha_of(Rgba c) { return c >> 24; }
+
+struct MeshLayer {
+  Plane<float> w;      // inverse depth; kAbsent where the layer is not present
+  Plane<Rgba> colour;
+};
+constexpr float kAbsent = -1;
+
+// A quad of a torn place: corners in the order (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1).
+struct TornQuad {
+  uint8_t x_in_tile = 0, y_in_tile = 0;
+  bool soft = false;  // some corner is not opaque
+  float w[4] = {};
+  Rgba colour[4] = {};
+};
+
+// Quads (x, y), x0 <= x < x0 + kTilePx, y0 <= y < y0 + kTilePx, of one layer.
+struct MeshTile {
+  int layer = 0, x0 = 0, y0 = 0;
+  float w_min = 0, w_max = 0;
+  uint32_t solid[kTilePx] = {};  // bit i of solid[j]: quad (x0 + i, y0 + j) is solid and opaque
+  std::vector<TornQuad> torn;    // opaque ones first
+  size_t opaque_torn = 0;
+};
+
+struct Mesh {
+  int width = 0, height = 0;  // of the panorama
+  bool wraps = false;
+  std::vector<MeshLayer> layers;
+  std::vector<MeshTile> tiles;  // layer by layer, only those with a quad
+};
+
+Mesh build_mesh(const LayeredPanorama& panorama);
+
+}  // namespace ldp::render

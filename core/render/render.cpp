@@ -1,0 +1,73 @@
+#include "render.h"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "mesh.h"
+#include "raster.h"
+#include "view_frustum.h"
+
+namespace ldp {
+namespace {
+
+constexpr int kStripPx = 128;  // a strip's buffers stay in the second-level cache
+constexpr int kMaxViewSide = 1 << 14;
+
+void check(const Camera& camera) {
+  const Intrinsics& k = camera.intrinsics;
+  const auto size = std::to_string(k.width) + "x" + std::to_string(k.height);
+  if (k.width < 1 || k.height < 1 || k.width > kMaxViewSide || k.height > kMaxViewSide)
+    throw std::runtime_error("render: view \"" + camera.name + "\" is " + size + " pixels; sides must be 1 to " +
+                             std::to_string(kMaxViewSide));
+  if (!(k.fx > 0) || !(k.fy > 0))
+    throw std::runtime_error("render: view \"" + camera.name + "\" needs positive focal lengths fl_x, fl_y");
+}
+
+float depth_of(float inverse_z) {
+  if (inverse_z == render::kNothing) return 0;
+  return inverse_z > 0 ? 1 / inverse_z : std::numeric_limits<float>::infinity();
+}
+
+void store(const render::StripTarget& strip, View& view) {
+  for (int y = 0; y < strip.height; ++y)
+    for (int x = 0; x < strip.width; ++x) {
+      const auto pixel = static_cast<size_t>(y) * static_cast<size_t>(strip.width) + static_cast<size_t>(x);
+      const render::Blended blended = render::blend(strip, pixel);
+      const size_t out = view.colour.index(strip.x0 + x, y);
+      view.colour.samples[out] = {static_cast<uint8_t>(blended.colour), static_cast<uint8_t>(blended.colour >> 8),
+                                  static_cast<uint8_t>(blended.colour >> 16)};
+      view.alpha.samples[out] = static_cast<uint8_t>(render::alpha_of(blended.colour));
+      if (!view.depth.empty()) view.depth.samples[out] = depth_of(blended.inverse_z);
+    }
+}
+
+}  // namespace
+
+struct Renderer::Prepared {
+  PanoramaGrid grid;
+  render::Mesh mesh;
+};
+
+Renderer::Renderer(const LayeredPanorama& panorama)
+    : prepared_(new Prepared{panorama.grid, render::build_mesh(panorama)}) {}
+
+Renderer::~Renderer() = default;
+
+View Renderer::render(const Camera& camera, const RenderOptions& options, const Job& job) const {
+  check(camera);
+  const Intrinsics& k = camera.intrinsics;
+  View view{RgbImage(k.width, k.height), Plane<uint8_t>(k.width, k.height), {}, 0};
+  if (options.depth) view.depth = Plane<float>(k.width, k.height);
+  const render::ViewFrustum frustum(prepared_->grid, camera);
+  const int strips = (k.width + kStripPx - 1) / kStripPx;
+  parallel_for(job, strips, [&](int i) {
+    render::StripTarget strip(i * kStripPx, std::min(kStripPx, k.width - i * kStripPx), k.height);
+    render::draw(prepared_->mesh, frustum, options.layers, strip);
+    store(strip, view);
+  });
+  return view;
+}
+
+}  // namespace ldp
