@@ -1,0 +1,2 @@
+add_executable(perfect_panorama perfect_panorama.cpp)
+target_link_libraries(perfect_panorama PRIVATE ldp_render ldp_images ldp_types ldp_defaults)
