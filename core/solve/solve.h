@@ -2,13 +2,15 @@
 //
 //   E = sum_p phi(p, l_p) + lambda sum_{4-neighbours} min(|l_p - l_q|, truncation) exp(-contrast |g_p - g_q|)
 //
-// For depth phi is the sweep's cost and g the median grey at the label taken. For colour phi is the angle between
-// the pixel's ray and the camera's ray, labels are source frames, and g is the depth label of the pixel (fixed).
-// Energy never rises between steps; the same bytes at any thread count. Integer arithmetic throughout.
+// For depth phi is the sweep's cost and g the median grey at the label taken, so that the weight of an edge depends on
+// both labels. For colour phi is the angle between the pixel's ray and the camera's ray, labels are source frames, and
+// g is the depth label of the pixel (fixed). Energies are sums of integers, in steps fine enough that lambda times
+// truncation is about 255 of them; energy never rises between steps, and the bytes are the same at any thread count.
+// Does not read images and keeps no volume: it pulls windows from the source as often as it needs them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "colour_costs.h"
 #include "cost_source.h"
@@ -17,19 +19,26 @@
 
 namespace ldp {
 
+// Multiplies the smoothness weight of single edges: right.at(x, y) that of (x, y)-(x+1, y), down.at(x, y) that of
+// (x, y)-(x, y+1); 0 removes the edge. For problems whose weights come from outside, such as stereo benchmarks.
+struct EdgeFactors {
+  Plane<uint8_t> right, down;
+};
+
 struct SolveOptions {
-  double lambda = 2;        // in grey levels
-  int truncation = 2;       // labels
-  double contrast = 0.01;   // per grey level
+  double lambda = 2;       // in grey levels; lambda * truncation * largest factor <= 63
+  int truncation = 2;      // labels, 1 .. 15
+  double contrast = 0.01;  // per grey level
   int core_px = 96, margin_px = 16;
-  size_t memory_bytes = 0;  // costs that may be kept between passes; 0 = recompute
+  size_t memory_bytes = 0;               // costs that may be kept between passes; 0 = recompute
+  const EdgeFactors* factors = nullptr;  // nullptr: every factor is 1
 };
 
 struct SolveReport {
-  double data_energy = 0, smoothness_energy = 0;  // of the result, in grey levels
-  double initial_energy = 0;
+  double data_energy = 0, smoothness_energy = 0;  // of the result; depth: in grey levels, colour: in degrees
+  double initial_energy = 0;                      // of the cheapest label of every pixel
   int passes = 0;
-  size_t peak_bytes = 0;
+  size_t peak_bytes = 0;  // scratch and kept costs, all threads
 };
 
 struct Labelling {
@@ -37,16 +46,18 @@ struct Labelling {
   SolveReport report;
 };
 
-// Depth: fixed labels outside `mask` (empty = solve everywhere) are not part of the problem.
+// Depth. Pixels where `mask` is 0 are not part of the problem and get label 0 (empty mask: solve everywhere).
 Labelling solve_depth(const CostSource& costs, const Plane<uint8_t>& mask, const SolveOptions& options, const Job& job);
 
 struct ColourSolveOptions {
-  double lambda = 2;
-  int truncation = 2;
+  double lambda = 2;      // in degrees
+  int truncation = 2;     // frames
   double contrast = 0.1;  // per depth label
+  int core_px = 96, margin_px = 16;
 };
 
-// Gives the source frame of every present pixel (255 where absent or unseen).
+// Gives the source frame of every present pixel (255 where absent or unseen). Pixels without a candidate have no edges;
+// of two candidates whose indices differ by a multiple of 16 only the cheaper is considered.
 Labelling solve_colour(const ColourCosts& costs, const ColourSolveOptions& options, const Job& job);
 
 }  // namespace ldp

@@ -1,0 +1,77 @@
+// One window of a labelling problem, as arrays. A problem has at most 16 slots a pixel; for depth a slot is a label,
+// for colour it is a source frame modulo 16, `position` then holding the frame.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "cost_source.h"
+#include "plane.h"
+#include "smoothness.h"
+
+namespace ldp {
+
+constexpr int kSlots = 16;
+constexpr uint16_t kForbidden = 8000;  // cost of a slot that must not be taken
+
+// Directions to the 4-neighbours of a pixel; d ^ 1 is the opposite of d.
+enum Direction : uint8_t { kUp = 0, kDown = 1, kLeft = 2, kRight = 3 };
+
+// Pixels are stored by columns: p = x * height + y. An edge belongs to its upper or left pixel.
+struct LabelGrid {
+  int width = 0, height = 0;
+  std::vector<uint16_t> cost;        // 16 per pixel
+  std::vector<uint8_t> grey;         // 16 per pixel
+  std::vector<uint8_t> position;     // 16 per pixel, or empty: slot number = position
+  std::vector<uint8_t> message;      // 64 per pixel: what came from each direction, 16 each (a reparametrisation)
+  std::vector<uint8_t> down, right;  // edge factors, 1 per pixel; 0 = no edge
+  std::vector<uint8_t> label;        // slot taken, 1 per pixel
+
+  void resize(int new_width, int new_height, bool with_positions);
+  int size() const { return width * height; }
+  int stride(int direction) const {
+    return direction == kDown ? 1 : direction == kUp ? -1 : direction == kRight ? height : -height;
+  }
+  size_t bytes() const;
+
+  const uint16_t* costs(int p) const { return cost.data() + static_cast<ptrdiff_t>(p) * kSlots; }
+  const uint8_t* greys(int p) const { return grey.data() + static_cast<ptrdiff_t>(p) * kSlots; }
+  const uint8_t* messages(int p, int direction) const {
+    return message.data() + (static_cast<ptrdiff_t>(p) * 4 + direction) * kSlots;
+  }
+  int position_of(int p, int slot) const {
+    return position.empty() ? slot : position[static_cast<size_t>(p) * kSlots + static_cast<size_t>(slot)];
+  }
+  // Factor of the edge that leaves p in a direction, 0 at the rim.
+  int factor(int p, int direction) const;
+
+  // V of the pair (slot a at p, slot b at q), before the edge factor.
+  int pair(const Smoothness& smoothness, int p, int a, int q, int b) const {
+    return smoothness(position_of(p, a) - position_of(q, b), greys(p)[a] - greys(q)[b]);
+  }
+};
+
+struct Energy {
+  int64_t data = 0, smoothness = 0;
+  int64_t total() const { return data + smoothness; }
+};
+
+// Energy of the labels the grid holds, all pixels and edges.
+Energy energy_of(const LabelGrid& grid, const Smoothness& smoothness);
+
+// A labelling problem that gives any window of itself. Labels of a window are read from and written to a plane.
+class GridSource {
+ public:
+  virtual ~GridSource() = default;
+  virtual int width() const = 0;
+  virtual int height() const = 0;
+  virtual bool wraps() const = 0;
+  virtual int slots() const = 0;
+  virtual bool has_positions() const = 0;
+  // Fills costs, greys, positions and edge factors of the window, which lies inside the grid but for x modulo width
+  // in a source that wraps. Pixels that are not part of the problem get equal costs and no edges.
+  virtual void load(const Window& window, LabelGrid& grid) const = 0;
+};
+
+}  // namespace ldp

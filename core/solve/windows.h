@@ -1,0 +1,29 @@
+// Solves a labelling problem of any size window by window: each window's labels are improved with everything outside
+// it held fixed, so that the energy of the whole never rises. Windows of one colour of a 2x2 pattern share no edge and
+// run in parallel with the same result in any order.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "job.h"
+#include "label_grid.h"
+#include "plane.h"
+#include "smoothness.h"
+
+namespace ldp {
+
+struct WindowSolve {
+  Plane<uint8_t> slots;
+  Energy initial, final;  // of the cheapest slot of every pixel, and of the result
+  int passes = 0;
+  size_t peak_bytes = 0;
+};
+
+WindowSolve solve_windows(const GridSource& source, const Smoothness& smoothness, int core_px, int margin_px,
+                          const Job& job);
+
+// True energy of a labelling, evaluated from the source.
+Energy energy_of(const GridSource& source, const Smoothness& smoothness, const Plane<uint8_t>& slots, const Job& job);
+
+}  // namespace ldp

@@ -1,0 +1,1 @@
+ldp_test(solve_test SOURCES solve_test.cpp USES ldp_solve)

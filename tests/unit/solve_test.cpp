@@ -1,0 +1,324 @@
+#include "solve.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "expansion.h"
+#include "label_grid.h"
+#include "smoothness.h"
+
+namespace ldp {
+namespace {
+
+// Costs and medians held in arrays; as a ring or not.
+struct ArrayCosts final : CostSource {
+  ArrayCosts(int w, int h, int l, bool ring)
+      : width_(w),
+        height_(h),
+        labels_(l),
+        wraps_(ring),
+        cost(static_cast<size_t>(w * h * l)),
+        median(static_cast<size_t>(w * h * l)) {}
+  int width() const override { return width_; }
+  int height() const override { return height_; }
+  int labels() const override { return labels_; }
+  bool wraps() const override { return wraps_; }
+  size_t index(int x, int y, int l) const { return static_cast<size_t>((x * height_ + y) * labels_ + l); }
+  void read(const Window& window, uint8_t* c, uint8_t* m) const override {
+    for (int x = 0; x < window.width; ++x)
+      for (int y = 0; y < window.height; ++y)
+        for (int l = 0; l < labels_; ++l, ++c, ++m) {
+          *c = cost[index((window.x + x) % width_, window.y + y, l)];
+          *m = median[index((window.x + x) % width_, window.y + y, l)];
+        }
+  }
+  int width_, height_, labels_;
+  bool wraps_;
+  std::vector<uint8_t> cost, median;
+};
+
+// Piecewise-constant truth with noisy costs and medians that vary with the label.
+ArrayCosts random_costs(int w, int h, int l, bool ring, unsigned seed, int noise = 20, int median_spread = 40) {
+  ArrayCosts costs(w, h, l, ring);
+  std::mt19937 random(seed);
+  const auto uniform = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  for (int x = 0; x < w; ++x)
+    for (int y = 0; y < h; ++y) {
+      const int truth = (x / 7 + y / 5 * 3) % l;
+      const int base = 60 + (x / 9 % 3) * 50;
+      for (int k = 0; k < l; ++k) {
+        costs.cost[costs.index(x, y, k)] = static_cast<uint8_t>(std::min(20, 4 * std::abs(k - truth)) + uniform(noise));
+        costs.median[costs.index(x, y, k)] = static_cast<uint8_t>(base + uniform(median_spread));
+      }
+    }
+  return costs;
+}
+
+// The energy of the formula, in grey levels, in floating point.
+double formula_energy(const ArrayCosts& costs, const Plane<uint8_t>& labels, const Plane<uint8_t>& mask,
+                      const SolveOptions& options) {
+  double energy = 0;
+  const auto in = [&](int x, int y) { return mask.empty() || mask.at(x, y) != 0; };
+  const auto grey = [&](int x, int y) { return costs.median[costs.index(x, y, labels.at(x, y))]; };
+  const auto pair = [&](int x, int y, int x2, int y2) {
+    if (!in(x2, y2)) return 0.0;
+    return options.lambda * std::min(std::abs(labels.at(x, y) - labels.at(x2, y2)), options.truncation) *
+           std::exp(-options.contrast * std::abs(grey(x, y) - grey(x2, y2)));
+  };
+  for (int y = 0; y < costs.height(); ++y)
+    for (int x = 0; x < costs.width(); ++x) {
+      if (!in(x, y)) continue;
+      energy += static_cast<double>(costs.cost[costs.index(x, y, labels.at(x, y))]) / kCostScale;
+      if (y + 1 < costs.height()) energy += pair(x, y, x, y + 1);
+      if (x + 1 < costs.width() || costs.wraps()) energy += pair(x, y, (x + 1) % costs.width(), y);
+    }
+  return energy;
+}
+
+Job on_threads(int threads) {
+  Job job;
+  job.threads = threads;
+  return job;
+}
+
+double total(const SolveReport& report) { return report.data_energy + report.smoothness_energy; }
+
+TEST(Solve, reports_the_energy_of_the_formula) {
+  for (const bool ring : {false, true}) {
+    const ArrayCosts costs = random_costs(61, 47, 16, ring, 1);
+    SolveOptions options;
+    options.core_px = 24, options.margin_px = 6;
+    const Labelling result = solve_depth(costs, {}, options, {});
+    EXPECT_NEAR(total(result.report), formula_energy(costs, result.labels, {}, options), 0.004 * total(result.report));
+    EXPECT_LT(total(result.report), 0.9 * result.report.initial_energy);
+  }
+}
+
+TEST(Solve, finds_the_best_of_all_labellings_of_small_problems_or_nearly) {
+  int best_found = 0, problems = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const bool ring = seed % 2 == 1;
+    const ArrayCosts costs = random_costs(ring ? 6 : 4, ring ? 2 : 3, 3, ring, seed, 24, 80);
+    SolveOptions options;
+    const double found = formula_energy(costs, solve_depth(costs, {}, options, {}).labels, {}, options);
+    double least = 1e9;
+    Plane<uint8_t> labels(costs.width(), costs.height());
+    for (int code = 0; code < 531441; ++code) {
+      for (int rest = code, i = 0; i < 12; ++i, rest /= 3)
+        labels.samples[static_cast<size_t>(i)] = static_cast<uint8_t>(rest % 3);
+      least = std::min(least, formula_energy(costs, labels, {}, options));
+    }
+    EXPECT_LE(found, least * 1.03 + 0.05) << "seed " << seed;
+    best_found += found <= least * 1.002 + 0.01;
+    ++problems;
+  }
+  EXPECT_GE(best_found, problems * 9 / 10);
+}
+
+TEST(Solve, gives_the_same_bytes_at_any_thread_count) {
+  const ArrayCosts costs = random_costs(150, 90, 16, true, 5);
+  SolveOptions options;
+  options.core_px = 24, options.margin_px = 6;
+  const Labelling one = solve_depth(costs, {}, options, on_threads(1));
+  for (const int threads : {2, 8}) {
+    const Labelling many = solve_depth(costs, {}, options, on_threads(threads));
+    EXPECT_EQ(many.labels, one.labels);
+    EXPECT_EQ(total(many.report), total(one.report));
+  }
+}
+
+TEST(Solve, does_not_see_pixels_outside_the_mask) {
+  ArrayCosts costs = random_costs(60, 40, 8, true, 9);
+  Plane<uint8_t> mask(60, 40);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 60; ++x) mask.at(x, y) = (x / 11 + y / 7) % 3 != 0;
+  SolveOptions options;
+  options.core_px = 20, options.margin_px = 5;
+  const Labelling before = solve_depth(costs, mask, options, {});
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 60; ++x)
+      if (mask.at(x, y) == 0) {
+        EXPECT_EQ(before.labels.at(x, y), 0);
+        for (int l = 0; l < 8; ++l) costs.cost[costs.index(x, y, l)] = static_cast<uint8_t>(37 * l + x);
+      }
+  const Labelling after = solve_depth(costs, mask, options, {});
+  EXPECT_EQ(after.labels, before.labels);
+  EXPECT_EQ(total(after.report), total(before.report));
+  EXPECT_NEAR(total(after.report), formula_energy(costs, after.labels, mask, options), 0.004 * total(after.report));
+}
+
+TEST(Solve, a_turned_ring_has_the_energy_of_the_ring) {
+  const ArrayCosts costs = random_costs(96, 40, 16, true, 3);
+  ArrayCosts turned(96, 40, 16, true);
+  for (int x = 0; x < 96; ++x)
+    for (int y = 0; y < 40; ++y)
+      for (int l = 0; l < 16; ++l) {
+        turned.cost[turned.index(x, y, l)] = costs.cost[costs.index((x + 13) % 96, y, l)];
+        turned.median[turned.index(x, y, l)] = costs.median[costs.index((x + 13) % 96, y, l)];
+      }
+  SolveOptions options;
+  options.core_px = 24, options.margin_px = 8;
+  const Labelling a = solve_depth(costs, {}, options, {}), b = solve_depth(turned, {}, options, {});
+  EXPECT_NEAR(total(a.report), total(b.report), 0.003 * total(a.report));
+  Plane<uint8_t> back(96, 40);
+  for (int x = 0; x < 96; ++x)
+    for (int y = 0; y < 40; ++y) back.at((x + 13) % 96, y) = b.labels.at(x, y);
+  EXPECT_NEAR(formula_energy(costs, back, {}, options), formula_energy(turned, b.labels, {}, options), 1e-6);
+}
+
+TEST(Solve, a_ring_is_smooth_across_its_seam) {
+  ArrayCosts costs(64, 16, 16, true);
+  for (int x = 0; x < 64; ++x)
+    for (int y = 0; y < 16; ++y)
+      for (int l = 0; l < 16; ++l) {  // evidence only far from the seam
+        costs.cost[costs.index(x, y, l)] =
+            static_cast<uint8_t>(x > 9 && x < 57 ? std::min(200, 40 * std::abs(l - 9)) : 0);
+        costs.median[costs.index(x, y, l)] = 100;
+      }
+  const Labelling result = solve_depth(costs, {}, {}, {});
+  EXPECT_THAT(result.labels.samples, testing::Each(9));
+}
+
+TEST(Solve, refuses_options_out_of_range_by_name) {
+  const ArrayCosts costs = random_costs(8, 8, 4, false, 1);
+  SolveOptions options;
+  options.lambda = 1000;
+  EXPECT_THAT([&] { solve_depth(costs, {}, options, {}); },
+              testing::ThrowsMessage<std::logic_error>(testing::HasSubstr("lambda")));
+  EXPECT_THAT([&] { solve_depth(costs, Plane<uint8_t>(3, 3), {}, {}); },
+              testing::ThrowsMessage<std::logic_error>(testing::HasSubstr("mask")));
+}
+
+TEST(Solve, stops_when_asked) {
+  const ArrayCosts costs = random_costs(64, 64, 16, false, 1);
+  std::stop_source stop;
+  stop.request_stop();
+  Job job;
+  job.stop = stop.get_token();
+  EXPECT_THROW(solve_depth(costs, {}, {}, job), Cancelled);
+}
+
+// A small grid with random costs, greys, edges and messages.
+LabelGrid random_grid(int w, int h, unsigned seed, const Smoothness& smoothness, bool positions) {
+  LabelGrid grid;
+  grid.resize(w, h, positions);
+  std::mt19937 random(seed);
+  const auto uniform = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  for (auto& cost : grid.cost) cost = static_cast<uint16_t>(uniform(300));
+  for (auto& grey : grid.grey) grey = static_cast<uint8_t>(uniform(256));
+  for (auto& position : grid.position) position = static_cast<uint8_t>(uniform(40));
+  for (auto& message : grid.message) message = static_cast<uint8_t>(uniform(60));
+  for (auto& label : grid.label) label = static_cast<uint8_t>(uniform(16));
+  for (int x = 0; x < w; ++x)
+    for (int y = 0; y < h; ++y) {
+      if (y + 1 < h) grid.down[static_cast<size_t>(x * h + y)] = static_cast<uint8_t>(uniform(3));
+      if (x + 1 < w) grid.right[static_cast<size_t>(x * h + y)] = static_cast<uint8_t>(uniform(3));
+    }
+  // Messages of missing edges are no part of the energy.
+  for (int p = 0; p < grid.size(); ++p)
+    for (int d = 0; d < 4; ++d)
+      if (grid.factor(p, d) == 0) std::fill_n(grid.message.begin() + (p * 4 + d) * kSlots, kSlots, uint8_t{0});
+  (void)smoothness;
+  return grid;
+}
+
+// The energy that a move bounds from above: pair terms that break submodularity raised where only the upper or left
+// pixel moves.
+int64_t raised_energy(const LabelGrid& before, const LabelGrid& after, const Smoothness& smoothness, int alpha) {
+  int64_t sum = 0;
+  for (int p = 0; p < before.size(); ++p) {
+    const auto label = [](const LabelGrid& grid, int pixel) {
+      return static_cast<int>(grid.label[static_cast<size_t>(pixel)]);
+    };
+    sum += after.costs(p)[label(after, p)];
+    for (const int d : {kDown, kRight}) {
+      const int factor = before.factor(p, d);
+      if (factor == 0) continue;
+      const int q = p + before.stride(d), fp = label(before, p), fq = label(before, q);
+      const auto v = [&](int a, int b) { return factor * before.pair(smoothness, p, a, q, b); };
+      sum += v(label(after, p), label(after, q));
+      const bool only_p = label(after, p) == alpha && label(after, q) == fq && fp != alpha && fq != alpha;
+      if (only_p) sum += std::max(0, v(fp, fq) + v(alpha, alpha) - v(fp, alpha) - v(alpha, fq));
+    }
+  }
+  return sum;
+}
+
+TEST(Expansion, a_move_is_the_least_of_all_cuts_and_never_raises_the_energy) {
+  const Smoothness smoothness(60, 0.01, 2);
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    const int w = 1 + static_cast<int>(seed % 4), h = 12 / w;
+    LabelGrid grid = random_grid(w, h, seed, smoothness, seed % 3 == 0);
+    const int alpha = static_cast<int>(seed / 4 % 16);
+    const LabelGrid before = grid;
+    Expansion expansion;
+    expansion.start(grid, smoothness);
+    const bool changed = expansion.expand(alpha);
+    int64_t least = 1 << 30;
+    for (int subset = 0; subset < 1 << (w * h); ++subset) {
+      LabelGrid candidate = before;
+      for (int p = 0; p < w * h; ++p)
+        if (subset >> p & 1) candidate.label[static_cast<size_t>(p)] = static_cast<uint8_t>(alpha);
+      least = std::min(least, raised_energy(before, candidate, smoothness, alpha));
+    }
+    EXPECT_EQ(raised_energy(before, grid, smoothness, alpha), least) << "seed " << seed;
+    const int64_t old_energy = energy_of(before, smoothness).total(), new_energy = energy_of(grid, smoothness).total();
+    EXPECT_EQ(changed, new_energy < old_energy) << "seed " << seed;
+    EXPECT_LE(new_energy, old_energy);
+  }
+}
+
+// Frames on a line; each pixel is seen by those near it, at an angle that grows with the distance.
+struct LineOfFrames final : ColourCosts {
+  explicit LineOfFrames(int frames_count, bool ring) : frames_(frames_count), ring_(ring) {}
+  int width() const override { return 120; }
+  int height() const override { return 30; }
+  bool wraps() const override { return ring_; }
+  int frames() const override { return frames_; }
+  int candidates(int x, int y, uint8_t frame[16], uint16_t cost[16]) const override {
+    int count = 0;
+    for (int f = 0; f < frames_ && count < 16; ++f) {
+      const double centre = (f + 0.5) * 120 / frames_;
+      double distance = std::abs(x + 0.5 - centre);
+      if (ring_) distance = std::min(distance, 120 - distance);
+      if (distance > 25 || (x * 7 + y * 3) % 23 == f % 5) continue;
+      frame[count] = static_cast<uint8_t>(f);
+      cost[count++] = static_cast<uint16_t>(64 * distance);
+    }
+    return count;
+  }
+  uint8_t depth_label(int x, int y) const override { return static_cast<uint8_t>((x / 10 + y / 10) % 16); }
+  bool present(int x, int y) const override { return (x + y) % 31 != 0; }
+  int frames_;
+  bool ring_;
+};
+
+TEST(Solve, chooses_frames_that_see_the_pixel_and_reports_their_angles) {
+  for (const int frames : {5, 20, 40}) {
+    const LineOfFrames costs(frames, frames == 20);
+    const Labelling result = solve_colour(costs, {}, on_threads(2));
+    double angles = 0;
+    for (int y = 0; y < costs.height(); ++y)
+      for (int x = 0; x < costs.width(); ++x) {
+        uint8_t frame[16];
+        uint16_t cost[16];
+        const int count = costs.present(x, y) ? costs.candidates(x, y, frame, cost) : 0;
+        const auto* chosen = std::find(frame, frame + count, result.labels.at(x, y));
+        if (count == 0) {
+          EXPECT_EQ(result.labels.at(x, y), 255);
+        } else {
+          ASSERT_NE(chosen, frame + count) << x << ' ' << y;
+          angles += cost[chosen - frame] / 64.0;
+        }
+      }
+    EXPECT_NEAR(result.report.data_energy, angles, 1e-6);
+    EXPECT_LT(total(result.report), result.report.initial_energy);
+  }
+}
+
+}  // namespace
+}  // namespace ldp
