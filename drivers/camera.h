@@ -33,6 +33,7 @@ struct CameraMode {
   PixelFormat format = PixelFormat::mjpeg;
   int width = 0, height = 0;  // pixels; of a frame when it differs (folder of unlike images), the frame's own
   double fps = 0;             // 0 = unknown
+  double settle_s = 0;        // that automatic exposure needs after `start`; 0 = every frame is good
 };
 
 struct FramePlane {
