@@ -1,5 +1,5 @@
-// Push button and LED on GPIO lines through libgpiod, whose two generations have different interfaces: version 1 (Debian
-// 12) is recognised by its line bulks, which version 2 does not have. Everything that differs is in `GpioLine`.
+// Push button and LED on GPIO lines through libgpiod, whose two generations have different interfaces: version 1
+// (Debian 12) is recognised by its line bulks, which version 2 does not have. Everything that differs is in `GpioLine`.
 #include <gpiod.h>
 #include <poll.h>
 #include <sys/epoll.h>
@@ -22,9 +22,9 @@ namespace {
 enum class Bias { as_is, off, pull_up, pull_down };
 
 struct LineSpec {
-  std::string url;           // for messages
-  std::string name;          // of the line, or empty:
-  std::string chip;          // "gpiochip0" or "/dev/gpiochip0"
+  std::string url;   // for messages
+  std::string name;  // of the line, or empty:
+  std::string chip;  // "gpiochip0" or "/dev/gpiochip0"
   unsigned offset = 0;
   bool output = false;
   bool active_low = false;
@@ -49,7 +49,8 @@ LineSpec spec_from(const Url& url) {
   }
   const size_t slash = path.rfind('/');
   const std::string offset = slash == std::string::npos ? "" : path.substr(slash + 1);
-  const bool digits = !offset.empty() && offset.size() < 6 && offset.find_first_not_of("0123456789") == std::string::npos;
+  const bool digits =
+      !offset.empty() && offset.size() < 6 && offset.find_first_not_of("0123456789") == std::string::npos;
   if (!digits || slash == 0) {
     throw std::runtime_error("'" + spec.url + "': expected CHIP/LINE as in gpiochip0/17, or name=LINE_NAME");
   }
@@ -68,7 +69,9 @@ std::string device_of(const std::string& chip) { return chip.starts_with("/") ? 
 template <auto free_function>
 struct Free {
   template <typename T>
-  void operator()(T* object) const { free_function(object); }
+  void operator()(T* object) const {
+    free_function(object);
+  }
 };
 
 #ifdef GPIOD_LINE_BULK_MAX_LINES
@@ -203,7 +206,8 @@ class GpioLine {
   static void fill(gpiod_line_settings& settings, const LineSpec& spec) {
     constexpr std::array kBiases = {GPIOD_LINE_BIAS_AS_IS, GPIOD_LINE_BIAS_DISABLED, GPIOD_LINE_BIAS_PULL_UP,
                                     GPIOD_LINE_BIAS_PULL_DOWN};
-    gpiod_line_settings_set_direction(&settings, spec.output ? GPIOD_LINE_DIRECTION_OUTPUT : GPIOD_LINE_DIRECTION_INPUT);
+    gpiod_line_settings_set_direction(&settings,
+                                      spec.output ? GPIOD_LINE_DIRECTION_OUTPUT : GPIOD_LINE_DIRECTION_INPUT);
     if (!spec.output) gpiod_line_settings_set_edge_detection(&settings, GPIOD_LINE_EDGE_BOTH);
     gpiod_line_settings_set_bias(&settings, kBiases[static_cast<size_t>(spec.bias)]);
     gpiod_line_settings_set_active_low(&settings, spec.active_low);

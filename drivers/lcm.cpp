@@ -139,7 +139,8 @@ std::shared_ptr<lcm::LCM> connect(const Url& url) {
   }
   auto connection = std::make_shared<lcm::LCM>(url.rest());
   if (!connection->good()) {
-    throw std::runtime_error("'" + url.text() + "': LCM cannot use this address; a network that is up and a route for " +
+    throw std::runtime_error("'" + url.text() +
+                             "': LCM cannot use this address; a network that is up and a route for " +
                              "multicast are needed (ip route add 224.0.0.0/4 dev lo serves the machine itself)");
   }
   if (in_memory) shared_queue = connection;
@@ -162,7 +163,8 @@ class Inbox {
   int64_t ignored() const { return ignored_; }
 
   template <typename Owner>
-  void listen(const char* channel, void (Owner::*handler)(const lcm::ReceiveBuffer*, const std::string&), Owner* owner) {
+  void listen(const char* channel, void (Owner::*handler)(const lcm::ReceiveBuffer*, const std::string&),
+              Owner* owner) {
     subscriptions_.push_back(connection_->subscribe(channel, handler, owner));
   }
 

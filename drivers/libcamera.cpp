@@ -82,7 +82,8 @@ class CompletedRequests {
     const std::scoped_lock lock(mutex_);
     if (requests_.empty()) {
       uint64_t count = 0;
-      if (!disconnected_) [[maybe_unused]] const ssize_t got = ::read(event_.get(), &count, sizeof count);
+      if (!disconnected_) [[maybe_unused]]
+        const ssize_t got = ::read(event_.get(), &count, sizeof count);
       return nullptr;
     }
     libcamera::Request* const request = requests_.front();
@@ -170,7 +171,8 @@ struct Session {
   bool running = false;
 
   Session() {
-    if (manager.start() != 0) throw std::runtime_error("libcamera cannot start; are the camera's device files readable?");
+    if (manager.start() != 0)
+      throw std::runtime_error("libcamera cannot start; are the camera's device files readable?");
   }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -206,11 +208,13 @@ std::shared_ptr<libcamera::Camera> find_camera(const libcamera::CameraManager& m
   for (const auto& camera : cameras) {
     if (camera->id() == wanted) return camera;
   }
-  const bool is_index = !wanted.empty() && wanted.size() < 4 && wanted.find_first_not_of("0123456789") == std::string::npos;
+  const bool is_index =
+      !wanted.empty() && wanted.size() < 4 && wanted.find_first_not_of("0123456789") == std::string::npos;
   const size_t index = is_index ? std::stoul(wanted) : cameras.size();
   if (index < cameras.size()) return cameras[index];
   std::string known;
-  for (size_t i = 0; i < cameras.size(); ++i) known += " " + std::to_string(i) + " = " + cameras[i]->id();
+  for (size_t i = 0; i < cameras.size(); ++i)
+    known.append(" ").append(std::to_string(i)).append(" = ").append(cameras[i]->id());
   throw std::runtime_error("'" + url.text() + "': libcamera has no such camera; it has" + known);
 }
 
@@ -309,10 +313,12 @@ class LibcameraCamera final : public CameraDevice {
                                ", which is not known here");
     }
     const int error = session_->camera->configure(session_->configuration.get());
-    if (error != 0) throw std::runtime_error("'" + url.text() + "': cannot configure the camera: " + std::strerror(-error));
+    if (error != 0)
+      throw std::runtime_error("'" + url.text() + "': cannot configure the camera: " + std::strerror(-error));
     const double fps = url.number("fps", 30, {1, 1000});
     const bool settles = has(libcamera::controls::AeEnable.id());
-    mode_ = {*format, static_cast<int>(stream.size.width), static_cast<int>(stream.size.height), fps, settles ? kSettle_s : 0};
+    mode_ = {*format, static_cast<int>(stream.size.width), static_cast<int>(stream.size.height), fps,
+             settles ? kSettle_s : 0};
     stride_ = static_cast<int>(stream.stride);
   }
 
@@ -326,7 +332,8 @@ class LibcameraCamera final : public CameraDevice {
       if (!asked.empty()) throw std::runtime_error("'" + url.text() + "': the camera does not offer " + asked);
     }
     if (!asked.empty()) {
-      throw std::runtime_error("'" + url.text() + "': format is '" + asked + "', expected mjpeg, yuyv, nv12, rgb24 or bgr24");
+      throw std::runtime_error("'" + url.text() + "': format is '" + asked +
+                               "', expected mjpeg, yuyv, nv12, rgb24 or bgr24");
     }
     return stream.pixelFormat;
   }
@@ -334,7 +341,8 @@ class LibcameraCamera final : public CameraDevice {
   void allocate(const Url& url) {
     session_->allocator = std::make_unique<libcamera::FrameBufferAllocator>(session_->camera);
     libcamera::Stream* const stream = session_->configuration->at(0).stream();
-    if (session_->allocator->allocate(stream) < 0) throw std::runtime_error("'" + url.text() + "': no memory for frames");
+    if (session_->allocator->allocate(stream) < 0)
+      throw std::runtime_error("'" + url.text() + "': no memory for frames");
     for (const auto& buffer : session_->allocator->buffers(stream)) {
       session_->mapped[buffer.get()] = std::make_unique<MappedBuffer>(*buffer);
     }
@@ -365,16 +373,16 @@ class LibcameraCamera final : public CameraDevice {
     frame.sequence = metadata.sequence;
     frame.time_ns = metadata.timestamp != 0 ? static_cast<int64_t>(metadata.timestamp) : monotonic_now_ns();
     read_exposure(request.metadata(), frame);
-    frame.lease = std::shared_ptr<const void>(&request, [session = session_, returned = &request](const void*) {
-      session->give_back(returned);
-    });
+    frame.lease = std::shared_ptr<const void>(
+        &request, [session = session_, returned = &request](const void*) { session->give_back(returned); });
     return frame;
   }
 
   // Metadata's getters changed their return type (value with contains(), then optional).
   static void read_exposure(const libcamera::ControlList& metadata, CameraFrame& frame) {
 #if LDP_LIBCAMERA_AT_LEAST(0, 1)
-    if (const auto exposure_us = metadata.get(libcamera::controls::ExposureTime)) frame.exposure_s = *exposure_us * 1e-6;
+    if (const auto exposure_us = metadata.get(libcamera::controls::ExposureTime))
+      frame.exposure_s = *exposure_us * 1e-6;
     if (const auto gain = metadata.get(libcamera::controls::AnalogueGain)) frame.gain = static_cast<double>(*gain);
 #else
     const unsigned exposure = libcamera::controls::ExposureTime.id(), gain = libcamera::controls::AnalogueGain.id();

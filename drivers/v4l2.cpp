@@ -21,9 +21,9 @@
 namespace ldp {
 namespace {
 
-constexpr uint32_t kBuffers = 6;      // one being filled, some waiting, two held as candidates by the reader
-constexpr int kErrorsInARow = 5;      // of DQBUF before the camera counts as broken
-constexpr double kSettle_s = 0.5;     // automatic exposure after the start of the stream
+constexpr uint32_t kBuffers = 6;   // one being filled, some waiting, two held as candidates by the reader
+constexpr int kErrorsInARow = 5;   // of DQBUF before the camera counts as broken
+constexpr double kSettle_s = 0.5;  // automatic exposure after the start of the stream
 
 int call(int fd, unsigned long request, void* argument) {
   int result = 0;
@@ -241,7 +241,8 @@ ModeWish wish_from(const Url& url) {
     if (format == name_of(known.format)) wish.format = known.format;
   }
   if (!format.empty() && !wish.format) {
-    throw std::runtime_error("'" + url.text() + "': format is '" + format + "', expected mjpeg, yuyv, nv12, rgb24 or bgr24");
+    throw std::runtime_error("'" + url.text() + "': format is '" + format +
+                             "', expected mjpeg, yuyv, nv12, rgb24 or bgr24");
   }
   return wish;
 }
@@ -317,7 +318,8 @@ class V4l2Camera final : public CameraDevice {
   void query_capabilities() {
     v4l2_capability capability{};
     if (call(fd(), VIDIOC_QUERYCAP, &capability) != 0) throw_errno("'" + path_ + "' is not a V4L2 device");
-    const uint32_t can = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? capability.device_caps : capability.capabilities;
+    const uint32_t can =
+        (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? capability.device_caps : capability.capabilities;
     name_ = reinterpret_cast<const char*>(capability.card);
     if ((can & V4L2_CAP_VIDEO_CAPTURE) != 0) {
       type_ = V4L2_BUF_TYPE_VIDEO_CAPTURE;
@@ -338,10 +340,12 @@ class V4l2Camera final : public CameraDevice {
     for (const Offer& offer : offers) modes.push_back(offer.mode);
     const auto chosen = choose_mode(modes, wish);
     if (!chosen) {
-      throw std::runtime_error("'" + path_ + "' (" + name_ + ") offers " + (wish.format ? "no mode of that format" : "none of MJPEG, YUYV, NV12, RGB"));
+      throw std::runtime_error("'" + path_ + "' (" + name_ + ") offers " +
+                               (wish.format ? "no mode of that format" : "none of MJPEG, YUYV, NV12, RGB"));
     }
     for (const Offer& offer : offers) {
-      if (offer.mode.format == chosen->format && offer.mode.width == chosen->width && offer.mode.height == chosen->height) {
+      if (offer.mode.format == chosen->format && offer.mode.width == chosen->width &&
+          offer.mode.height == chosen->height) {
         apply(offer);
         break;
       }
@@ -372,7 +376,8 @@ class V4l2Camera final : public CameraDevice {
     mode_.height = static_cast<int>(multiplanar ? mp.height : sp.height);
     stride_ = static_cast<int>(multiplanar ? mp.plane_fmt[0].bytesperline : sp.bytesperline);
     const auto answered = format_from(multiplanar ? mp.pixelformat : sp.pixelformat);
-    if (!answered) throw std::runtime_error("'" + path_ + "' (" + name_ + ") insists on a pixel format that is not known here");
+    if (!answered)
+      throw std::runtime_error("'" + path_ + "' (" + name_ + ") insists on a pixel format that is not known here");
     mode_.format = *answered;
   }
 
@@ -419,11 +424,13 @@ class V4l2Camera final : public CameraDevice {
     frame.sequence = buffer.buffer.sequence;
     const bool monotonic = (buffer.buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
     const timeval& time = buffer.buffer.timestamp;
-    frame.time_ns = monotonic ? int64_t{time.tv_sec} * 1'000'000'000 + int64_t{time.tv_usec} * 1000 : monotonic_now_ns();
+    frame.time_ns =
+        monotonic ? int64_t{time.tv_sec} * 1'000'000'000 + int64_t{time.tv_usec} * 1000 : monotonic_now_ns();
     frame.format = mode_.format;
     frame.width = mode_.width;
     frame.height = mode_.height;
-    frame.lease = std::shared_ptr<const void>(mapping.bytes, [stream = stream_, index](const void*) { stream->give_back(index); });
+    frame.lease = std::shared_ptr<const void>(mapping.bytes,
+                                              [stream = stream_, index](const void*) { stream->give_back(index); });
     return frame;
   }
 
@@ -439,7 +446,8 @@ class V4l2Camera final : public CameraDevice {
         return {{bytes, stride * height, stride_}, {bytes + stride * height, stride * height / 2, stride_}};
       case PixelFormat::yuyv:
       case PixelFormat::rgb24:
-      case PixelFormat::bgr24: break;
+      case PixelFormat::bgr24:
+        break;
     }
     if (size < stride * height) return {};
     return {{bytes, size, stride_}};

@@ -15,11 +15,16 @@ double size_difference(const CameraMode& mode, const ModeWish& wish) {
 
 int effort(PixelFormat format) {
   switch (format) {
-    case PixelFormat::mjpeg: return 0;
-    case PixelFormat::nv12: return 1;
-    case PixelFormat::yuyv: return 2;
-    case PixelFormat::rgb24: return 3;
-    case PixelFormat::bgr24: return 3;
+    case PixelFormat::mjpeg:
+      return 0;
+    case PixelFormat::nv12:
+      return 1;
+    case PixelFormat::yuyv:
+      return 2;
+    case PixelFormat::rgb24:
+      return 3;
+    case PixelFormat::bgr24:
+      return 3;
   }
   return 4;
 }
