@@ -1,0 +1,263 @@
+#include "bundle.h"
+
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+
+#include <array>
+#include <cmath>
+
+namespace ldp {
+namespace {
+
+constexpr double kNearest = 1e-3;         // smallest z of a point in camera axes that is still projected
+constexpr double kBehind_px = 1e3;        // residual of a point behind the camera
+constexpr double kDistortionSigma = 0.1;  // of k1 and k2 about zero
+
+using RowMajor23 = Eigen::Matrix<double, 2, 3, Eigen::RowMajor>;
+using RowMajor24 = Eigen::Matrix<double, 2, 4, Eigen::RowMajor>;
+
+// Derivative of a left-multiplied small rotation quaternion (1, d) by d; columns are orthonormal.
+Eigen::Matrix<double, 4, 3> quaternion_by_turn(const double* q) {
+  Eigen::Matrix<double, 4, 3> j;
+  j << -q[1], -q[2], -q[3], q[0], q[3], -q[2], -q[3], q[0], q[1], q[2], -q[1], q[0];
+  return j;
+}
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+// Directions are parametrised around where they are at the start: m = base + a e1 + b e2.
+struct DirectionFrame {
+  Eigen::Vector3d base, e1, e2;
+};
+
+struct Distorted {
+  Eigen::Vector2d position;  // focal length 1
+  Eigen::Matrix2d by_undistorted;
+  double squared = 0;
+};
+
+Distorted distort(const Eigen::Vector2d& n, double k1, double k2) {
+  const double r2 = n.squaredNorm(), radial = 1 + r2 * (k1 + r2 * k2);
+  return {radial * n, radial * Eigen::Matrix2d::Identity() + (2 * k1 + 4 * k2 * r2) * n * n.transpose(), r2};
+}
+
+// Reprojection of one point in one camera. Blocks: rotation (quaternion w x y z, camera from world), [centre,] lens
+// (log focal, k1, k2), point (a, b, inverse distance).
+template <bool kSpherical>
+class Reprojection : public ceres::CostFunction {
+ public:
+  Reprojection(const Eigen::Vector2d& position_px, const DirectionFrame& frame)
+      : position_px_(position_px), frame_(frame) {
+    set_num_residuals(2);
+    *mutable_parameter_block_sizes() = kSpherical ? std::vector<int>{4, 3, 3} : std::vector<int>{4, 3, 3, 3};
+  }
+
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    constexpr int kLens = kSpherical ? 1 : 2, kPoint = kLens + 1;
+    const double *q = blocks[0], *lens = blocks[kLens], *point = blocks[kPoint];
+    const Eigen::Matrix3d r = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
+    const Eigen::Vector3d direction = frame_.base + point[0] * frame_.e1 + point[1] * frame_.e2;
+    const Eigen::Vector3d centre =
+        kSpherical ? Eigen::Vector3d::Zero() : Eigen::Vector3d(blocks[1][0], blocks[1][1], blocks[1][2]);
+    const Eigen::Vector3d turned = r * (direction - point[2] * centre);  // what a turn of the camera turns
+    const Eigen::Vector3d p = kSpherical ? Eigen::Vector3d(turned - point[2] * Eigen::Vector3d::UnitZ()) : turned;
+    if (p.z() < kNearest) return behind(residuals, jacobians);
+
+    const Eigen::Vector2d n = p.head<2>() / p.z();
+    const Distorted d = distort(n, lens[1], lens[2]);
+    const double focal = std::exp(lens[0]);
+    Eigen::Map<Eigen::Vector2d>(residuals, 2) = focal * d.position - position_px_;
+    if (!jacobians) return true;
+
+    Eigen::Matrix<double, 2, 3> n_by_p;
+    n_by_p << 1 / p.z(), 0, -n.x() / p.z(), 0, 1 / p.z(), -n.y() / p.z();
+    const Eigen::Matrix<double, 2, 3> by_p = focal * d.by_undistorted * n_by_p;
+    if (jacobians[0]) {
+      const Eigen::Matrix<double, 2, 3> by_turn = -by_p * cross_matrix(turned);
+      Eigen::Map<RowMajor24>(jacobians[0], 2, 4) = 2 * by_turn * quaternion_by_turn(q).transpose();
+    }
+    if (!kSpherical && jacobians[1]) Eigen::Map<RowMajor23>(jacobians[1], 2, 3) = -point[2] * by_p * r;
+    if (jacobians[kLens]) {
+      RowMajor23 by_lens;
+      by_lens << focal * d.position, focal * d.squared * n, focal * d.squared * d.squared * n;
+      Eigen::Map<RowMajor23>(jacobians[kLens], 2, 3) = by_lens;
+    }
+    if (jacobians[kPoint]) {
+      Eigen::Matrix3d p_by_point;
+      p_by_point << r * frame_.e1, r * frame_.e2,
+          kSpherical ? Eigen::Vector3d(-Eigen::Vector3d::UnitZ()) : Eigen::Vector3d(-r * centre);
+      Eigen::Map<RowMajor23>(jacobians[kPoint], 2, 3) = by_p * p_by_point;
+    }
+    return true;
+  }
+
+ private:
+  bool behind(double* residuals, double** jacobians) const {
+    residuals[0] = residuals[1] = kBehind_px;
+    for (size_t i = 0; jacobians && i < parameter_block_sizes().size(); ++i) {
+      if (jacobians[i]) std::fill_n(jacobians[i], 2 * parameter_block_sizes()[i], 0.0);
+    }
+    return true;
+  }
+
+  Eigen::Vector2d position_px_;
+  DirectionFrame frame_;
+};
+
+// A centre's place in its own camera is e_z, give or take sigma.
+struct ArcPrior {
+  double sigma;
+  template <typename T>
+  bool operator()(const T* rotation, const T* centre, T* residual) const {
+    T p[3];
+    ceres::UnitQuaternionRotatePoint(rotation, centre, p);
+    residual[0] = p[0] / sigma;
+    residual[1] = p[1] / sigma;
+    residual[2] = (p[2] - 1.0) / sigma;
+    return true;
+  }
+};
+
+struct LensPrior {
+  double log_focal, focal_weight;
+  template <typename T>
+  bool operator()(const T* lens, T* residual) const {
+    residual[0] = (lens[0] - log_focal) * focal_weight;
+    residual[1] = lens[1] / kDistortionSigma;
+    residual[2] = lens[2] / kDistortionSigma;
+    return true;
+  }
+};
+
+class StopCheck : public ceres::IterationCallback {
+ public:
+  explicit StopCheck(const Job& job) : job_(job) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return job_.stop.stop_requested() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const Job& job_;
+};
+
+// The parameters as Ceres wants them: flat blocks.
+struct Blocks {
+  std::vector<std::array<double, 4>> rotations;
+  std::vector<std::array<double, 3>> centres, points;
+  std::array<double, 3> lens{};
+  std::vector<DirectionFrame> frames;
+};
+
+Blocks blocks_of(const Bundle& bundle) {
+  Blocks blocks;
+  for (const Pose& pose : bundle.cameras) {
+    const Eigen::Quaterniond q(Eigen::Matrix3d(pose.world_from_camera.transpose()));
+    blocks.rotations.push_back({q.w(), q.x(), q.y(), q.z()});
+    blocks.centres.push_back({pose.centre.x(), pose.centre.y(), pose.centre.z()});
+  }
+  for (const InversePoint& point : bundle.points) {
+    const Eigen::Vector3d e1 = point.direction.unitOrthogonal();
+    blocks.frames.push_back({point.direction, e1, point.direction.cross(e1)});
+    blocks.points.push_back({0, 0, point.inverse_distance});
+  }
+  blocks.lens = {std::log(bundle.lens.focal_px), bundle.lens.k1, bundle.lens.k2};
+  return blocks;
+}
+
+void take(const Blocks& blocks, bool spherical, Bundle& bundle) {
+  for (size_t i = 0; i < bundle.cameras.size(); ++i) {
+    const auto& q = blocks.rotations[i];
+    Pose& pose = bundle.cameras[i];
+    pose.world_from_camera = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix().transpose();
+    pose.centre =
+        spherical ? Eigen::Vector3d(pose.world_from_camera.col(2)) : Eigen::Vector3d(blocks.centres[i].data());
+  }
+  for (size_t i = 0; i < bundle.points.size(); ++i) {
+    const auto& p = blocks.points[i];
+    const Eigen::Vector3d m = blocks.frames[i].base + p[0] * blocks.frames[i].e1 + p[1] * blocks.frames[i].e2;
+    bundle.points[i] = {m.normalized(), p[2] / m.norm()};
+  }
+  bundle.lens = {std::exp(blocks.lens[0]), blocks.lens[1], blocks.lens[2]};
+}
+
+void add_residuals(const Bundle& bundle, const BundleOptions& options, Blocks& blocks, ceres::Problem& problem) {
+  auto* loss = new ceres::CauchyLoss(options.loss_px);
+  for (const BundleObservation& o : bundle.observations) {
+    const size_t camera = static_cast<size_t>(o.camera), point = static_cast<size_t>(o.point);
+    double *rotation = blocks.rotations[camera].data(), *p = blocks.points[point].data(), *lens = blocks.lens.data();
+    if (options.spherical) {
+      problem.AddResidualBlock(new Reprojection<true>(o.position_px, blocks.frames[point]), loss, rotation, lens, p);
+    } else {
+      problem.AddResidualBlock(new Reprojection<false>(o.position_px, blocks.frames[point]), loss, rotation,
+                               blocks.centres[camera].data(), lens, p);
+    }
+  }
+  for (size_t i = 0; i < bundle.cameras.size(); ++i) {
+    double* rotation = blocks.rotations[i].data();
+    if (!problem.HasParameterBlock(rotation)) continue;
+    problem.SetManifold(rotation, new ceres::QuaternionManifold);
+    if (!options.spherical) {
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ArcPrior, 3, 4, 3>(new ArcPrior{options.arc_sigma}),
+                               nullptr, rotation, blocks.centres[i].data());
+    }
+  }
+}
+
+void add_lens(const Bundle& bundle, const BundleOptions& options, Blocks& blocks, ceres::Problem& problem) {
+  double* lens = blocks.lens.data();
+  if (!options.refine_focal && !options.refine_distortion) {
+    problem.SetParameterBlockConstant(lens);
+    return;
+  }
+  std::vector<int> constant = options.refine_distortion ? std::vector<int>{} : std::vector<int>{1, 2};
+  if (!options.refine_focal) constant = {0};
+  if (!constant.empty()) problem.SetManifold(lens, new ceres::SubsetManifold(3, constant));
+  const FocalPrior prior = options.focal_prior.value_or(FocalPrior{bundle.lens.focal_px, 1e6});
+  problem.AddResidualBlock(
+      new ceres::AutoDiffCostFunction<LensPrior, 3, 3>(new LensPrior{std::log(prior.focal_px), 1 / prior.log_sigma}),
+      nullptr, lens);
+}
+
+}  // namespace
+
+BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& job) {
+  job.check();
+  Blocks blocks = blocks_of(bundle);
+  ceres::Problem problem;
+  add_residuals(bundle, options, blocks, problem);
+  add_lens(bundle, options, blocks, problem);
+
+  ceres::Solver::Options solver;
+  auto* ordering = new ceres::ParameterBlockOrdering;
+  for (auto& p : blocks.points) ordering->AddElementToGroup(p.data(), 0);
+  for (size_t i = 0; i < blocks.rotations.size(); ++i) {
+    ordering->AddElementToGroup(blocks.rotations[i].data(), 1);
+    if (!options.spherical) ordering->AddElementToGroup(blocks.centres[i].data(), 1);
+  }
+  ordering->AddElementToGroup(blocks.lens.data(), 1);
+  solver.linear_solver_ordering.reset(ordering);
+  solver.linear_solver_type = ceres::DENSE_SCHUR;
+  solver.num_threads = 1;
+  solver.max_num_iterations = options.most_iterations;
+  solver.function_tolerance = 1e-5;
+  solver.logging_type = ceres::SILENT;
+  StopCheck stop(job);
+  solver.callbacks.push_back(&stop);
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  job.check();
+  take(blocks, options.spherical, bundle);
+  return {summary.final_cost, static_cast<int>(summary.iterations.size()), summary.IsSolutionUsable()};
+}
+
+Projection project_point(const Pose& camera, const Lens& lens, const InversePoint& point) {
+  const Eigen::Vector3d p = camera.world_from_camera.transpose() * point.seen_from(camera.centre);
+  if (p.z() < kNearest) return {};
+  return {lens.focal_px * distort(p.head<2>() / p.z(), lens.k1, lens.k2).position, true};
+}
+
+}  // namespace ldp

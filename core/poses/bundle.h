@@ -1,0 +1,64 @@
+// Bundle adjustment (Ceres) of a sweep: rotations, centres, one lens for all frames, points of inverse distance.
+//
+// Two models: `spherical`, where a camera's centre is its own forward axis (radius 1), and free centres, drawn to that
+// place only weakly, so that the prior decides what the pictures leave open (scale, place, the depth of far scenery)
+// and nothing else. Single-threaded and in fixed order: the same input gives the same bytes.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+#include "job.h"
+#include "points.h"
+
+namespace ldp {
+
+struct Lens {
+  double focal_px = 0, k1 = 0, k2 = 0;
+};
+
+struct BundleObservation {
+  int camera = 0, point = 0;
+  Eigen::Vector2d position_px = Eigen::Vector2d::Zero();  // from the principal point
+};
+
+struct Bundle {
+  std::vector<Pose> cameras;
+  Lens lens;
+  std::vector<InversePoint> points;  // distances from the origin
+  std::vector<BundleObservation> observations;
+};
+
+struct FocalPrior {
+  double focal_px = 0;
+  double log_sigma = 0.2;
+};
+
+struct BundleOptions {
+  bool spherical = false;
+  bool refine_focal = true;
+  bool refine_distortion = false;
+  std::optional<FocalPrior> focal_prior;
+  double loss_px = 1;      // Cauchy scale
+  double arc_sigma = 0.2;  // of a free centre about its place on the sphere, radii
+  int most_iterations = 50;
+};
+
+struct BundleSummary {
+  double cost = 0;  // half the sum of robust squared residuals, pixels^2
+  int iterations = 0;
+  bool usable = false;
+};
+
+BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& job);
+
+// Image position relative to the principal point, and whether the point lies in front of the camera.
+struct Projection {
+  Eigen::Vector2d position_px = Eigen::Vector2d::Zero();
+  bool in_front = false;
+};
+Projection project_point(const Pose& camera, const Lens& lens, const InversePoint& point);
+
+}  // namespace ldp

@@ -1,0 +1,64 @@
+#include "pairs.h"
+
+#include <algorithm>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+
+namespace ldp {
+namespace {
+
+constexpr int kGlance = 300;           // strongest features that a quick look compares
+constexpr size_t kGlanceMatches = 12;  // and how many must match for a closer look
+
+std::vector<Match> agreeing(const Features& a, const Features& b, const std::vector<Match>& matches,
+                            const PairOptions& options) {
+  if (matches.size() < static_cast<size_t>(options.least_inliers)) return {};
+  std::vector<cv::Point2d> in_a, in_b;
+  for (const Match& m : matches) {
+    const Eigen::Vector2d &p = a.positions[static_cast<size_t>(m.a)], &q = b.positions[static_cast<size_t>(m.b)];
+    in_a.emplace_back(p.x(), p.y());
+    in_b.emplace_back(q.x(), q.y());
+  }
+  cv::UsacParams usac;
+  usac.confidence = 0.9999;
+  usac.isParallel = false;
+  usac.maxIterations = 2000;
+  usac.randomGeneratorState = static_cast<int>(options.seed);
+  usac.threshold = options.tolerance * std::max(a.width, a.height);
+  std::vector<uchar> mask;
+  const cv::Mat f = cv::findFundamentalMat(in_a, in_b, mask, usac);
+  std::vector<Match> kept;
+  for (size_t i = 0; !f.empty() && i < mask.size() && i < matches.size(); ++i) {
+    if (mask[i]) kept.push_back(matches[i]);
+  }
+  return kept.size() < static_cast<size_t>(options.least_inliers) ? std::vector<Match>{} : kept;
+}
+
+}  // namespace
+
+std::vector<Match> verified_matches(const Features& a, const Features& b, const PairOptions& options) {
+  return agreeing(a, b, match_features(a, b, MatchOptions{}), options);
+}
+
+std::vector<PairMatches> match_sweep(const std::vector<Features>& features, const PairOptions& options,
+                                     const Job& job) {
+  std::vector<PairMatches> pairs;
+  const int count = static_cast<int>(features.size());
+  for (int a = 0; a < count; ++a) {
+    for (int b = a + 1; b < count; ++b) pairs.push_back({a, b, {}});
+  }
+  parallel_for(job, static_cast<int>(pairs.size()), [&](int i) {
+    PairMatches& pair = pairs[static_cast<size_t>(i)];
+    const Features &a = features[static_cast<size_t>(pair.a)], &b = features[static_cast<size_t>(pair.b)];
+    if (pair.b - pair.a > options.reach) {
+      MatchOptions glance;
+      glance.most = kGlance;
+      if (match_features(a, b, glance).size() < kGlanceMatches) return;
+    }
+    pair.matches = verified_matches(a, b, options);
+  });
+  std::erase_if(pairs, [](const PairMatches& pair) { return pair.matches.empty(); });
+  return pairs;
+}
+
+}  // namespace ldp
