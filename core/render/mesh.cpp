@@ -132,7 +132,9 @@ void Builder::add_surface(MeshTile& tile, const std::array<int, 4>& surface, int
   quad.x_in_tile = static_cast<uint8_t>(x - tile.x0);
   quad.y_in_tile = static_cast<uint8_t>(y - tile.y0);
   for (size_t i = 0; i < 4; ++i) {
-    const auto at = [&](size_t k) { return corner(tile.layer, x + static_cast<int>(k & 1), y + static_cast<int>(k >> 1)); };
+    const auto at = [&](size_t k) {
+      return corner(tile.layer, x + static_cast<int>(k & 1), y + static_cast<int>(k >> 1));
+    };
     Corner c = at(i);
     if (surface[i] != wanted) {
       size_t source = 0;
@@ -183,7 +185,8 @@ MeshTile Builder::build_tile(int layer, int x0, int y0) const {
       tile.w_min = std::min(tile.w_min, w);
       tile.w_max = std::max(tile.w_max, w);
     }
-  const auto soft = std::stable_partition(tile.torn.begin(), tile.torn.end(), [](const TornQuad& q) { return !q.soft; });
+  const auto soft =
+      std::stable_partition(tile.torn.begin(), tile.torn.end(), [](const TornQuad& q) { return !q.soft; });
   tile.opaque_torn = static_cast<size_t>(soft - tile.torn.begin());
   return tile;
 }
@@ -197,7 +200,8 @@ Mesh Builder::build() {
     for (int y0 = 0; y0 + 1 < grid_.height; y0 += kTilePx)
       for (int x0 = 0; x0 < (grid_.wraps ? grid_.width : grid_.width - 1); x0 += kTilePx) {
         MeshTile tile = build_tile(layer, x0, y0);
-        const bool any = std::any_of(std::begin(tile.solid), std::end(tile.solid), [](uint32_t row) { return row != 0; });
+        const bool any =
+            std::any_of(std::begin(tile.solid), std::end(tile.solid), [](uint32_t row) { return row != 0; });
         if (any || !tile.torn.empty()) mesh.tiles.push_back(std::move(tile));
       }
   for (PreparedLayer& layer : layers_) mesh.layers.push_back(std::move(layer.mesh));

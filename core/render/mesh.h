@@ -24,12 +24,13 @@ constexpr int kTilePx = 32;  // quads per tile side; a row of a tile is one 32-b
 // Colour and opacity of a vertex: r | g << 8 | b << 16 | a << 24.
 using Rgba = uint32_t;
 inline Rgba pack(Rgb c, uint8_t a) {
-  return static_cast<Rgba>(c.r) | static_cast<Rgba>(c.g) << 8 | static_cast<Rgba>(c.b) << 16 | static_cast<Rgba>(a) << 24;
+  return static_cast<Rgba>(c.r) | static_cast<Rgba>(c.g) << 8 | static_cast<Rgba>(c.b) << 16 |
+         static_cast<Rgba>(a) << 24;
 }
 inline uint32_t alpha_of(Rgba c) { return c >> 24; }
 
 struct MeshLayer {
-  Plane<float> w;      // inverse depth; kAbsent where the layer is not present
+  Plane<float> w;  // inverse depth; kAbsent where the layer is not present
   Plane<Rgba> colour;
 };
 constexpr float kAbsent = -1;

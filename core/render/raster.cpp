@@ -58,13 +58,14 @@ void cover(const Quad& q, const PixelBox& box, Emit emit) {
       if (upper_area > 0)
         at_pixel<Int>(upper, px, py, [&](float b, float c) {
           const float scale = 1 / static_cast<float>(upper_area), s = b * scale, t = c * scale;
-          emit(x, y, q.inverse_z[0] + s * (q.inverse_z[1] - q.inverse_z[0]) + t * (q.inverse_z[2] - q.inverse_z[0]), s, t);
+          emit(x, y, q.inverse_z[0] + s * (q.inverse_z[1] - q.inverse_z[0]) + t * (q.inverse_z[2] - q.inverse_z[0]), s,
+               t);
         });
       if (lower_area > 0)
         at_pixel<Int>(lower, px, py, [&](float b, float c) {
           const float scale = 1 / static_cast<float>(lower_area), s = b * scale, t = c * scale;
-          emit(x, y, q.inverse_z[3] + s * (q.inverse_z[2] - q.inverse_z[3]) + t * (q.inverse_z[1] - q.inverse_z[3]), 1 - s,
-               1 - t);
+          emit(x, y, q.inverse_z[3] + s * (q.inverse_z[2] - q.inverse_z[3]) + t * (q.inverse_z[1] - q.inverse_z[3]),
+               1 - s, 1 - t);
         });
     }
 }
@@ -92,8 +93,8 @@ Rgba mix(Rgba c0, Rgba c1, Rgba c2, Rgba c3, float s, float t) {
   const uint32_t w3 = si * ti >> 8, w1 = si - w3, w2 = ti - w3, w0 = 256 - si - w2;
   constexpr uint32_t kEven = 0x00FF00FF, kHalf = 0x00800080;
   const uint32_t even = (c0 & kEven) * w0 + (c1 & kEven) * w1 + (c2 & kEven) * w2 + (c3 & kEven) * w3 + kHalf;
-  const uint32_t odd = (c0 >> 8 & kEven) * w0 + (c1 >> 8 & kEven) * w1 + (c2 >> 8 & kEven) * w2 +
-                       (c3 >> 8 & kEven) * w3 + kHalf;
+  const uint32_t odd =
+      (c0 >> 8 & kEven) * w0 + (c1 >> 8 & kEven) * w1 + (c2 >> 8 & kEven) * w2 + (c3 >> 8 & kEven) * w3 + kHalf;
   return (even >> 8 & kEven) | (odd & ~kEven);
 }
 
@@ -110,8 +111,8 @@ void rasterise(const Quad& q, const StripTarget& target, Emit emit) {
 
 void draw_opaque(const Quad& q, const Rgba* c, StripTarget& target) {
   rasterise(q, target, [&](int x, int y, float inverse_z, float s, float t) {
-    Fragment& pixel = target.opaque[static_cast<size_t>(y) * static_cast<size_t>(target.width) +
-                                    static_cast<size_t>(x - target.x0)];
+    Fragment& pixel =
+        target.opaque[static_cast<size_t>(y) * static_cast<size_t>(target.width) + static_cast<size_t>(x - target.x0)];
     if (inverse_z > pixel.inverse_z) pixel = {inverse_z, mix(c[0], c[1], c[2], c[3], s, t)};
   });
 }
@@ -129,7 +130,8 @@ void insert_soft(StripTarget& target, size_t pixel, const Fragment& fragment) {
 
 void draw_soft(const Quad& q, const Rgba* c, StripTarget& target) {
   rasterise(q, target, [&](int x, int y, float inverse_z, float s, float t) {
-    const size_t pixel = static_cast<size_t>(y) * static_cast<size_t>(target.width) + static_cast<size_t>(x - target.x0);
+    const size_t pixel =
+        static_cast<size_t>(y) * static_cast<size_t>(target.width) + static_cast<size_t>(x - target.x0);
     if (inverse_z <= target.opaque[pixel].inverse_z) return;
     const Rgba colour = mix(c[0], c[1], c[2], c[3], s, t);
     if (alpha_of(colour) != 0) insert_soft(target, pixel, {inverse_z, colour});

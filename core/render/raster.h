@@ -1,5 +1,6 @@
-// Draws a mesh's tiles into one vertical strip of a view: opaque surfaces into a z-buffer, soft ones into short lists per
-// pixel that are blended front to back afterwards. What a strip shows does not depend on where strips begin and end.
+// Draws a mesh's tiles into one vertical strip of a view: opaque surfaces into a z-buffer, soft ones into short lists
+// per pixel that are blended front to back afterwards. What a strip shows does not depend on where strips begin and
+// end.
 #pragma once
 
 #include <cstdint>

@@ -74,14 +74,16 @@ std::vector<Camera> read_cameras(const fs::path& file) {
   Intrinsics k;
   k.width = json.at("w"), k.height = json.at("h");
   k.fx = json.at("fl_x"), k.fy = json.at("fl_y"), k.cx = json.at("cx"), k.cy = json.at("cy");
-  k.k1 = json.value("k1", 0.0), k.k2 = json.value("k2", 0.0), k.p1 = json.value("p1", 0.0), k.p2 = json.value("p2", 0.0);
+  k.k1 = json.value("k1", 0.0), k.k2 = json.value("k2", 0.0), k.p1 = json.value("p1", 0.0),
+  k.p2 = json.value("p2", 0.0);
   std::vector<Camera> cameras;
   for (const auto& frame : json.at("frames")) {
     Camera camera{frame.at("file_path"), k, {}};
     const auto& m = frame.at("transform_matrix");
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 3; ++column)
-        camera.pose.world_from_camera(row, column) = m[static_cast<size_t>(row)][static_cast<size_t>(column)].get<double>() * (column == 0 ? 1 : -1);
+        camera.pose.world_from_camera(row, column) =
+            m[static_cast<size_t>(row)][static_cast<size_t>(column)].get<double>() * (column == 0 ? 1 : -1);
       camera.pose.centre(row) = m[static_cast<size_t>(row)][3];
     }
     cameras.push_back(camera);
@@ -155,8 +157,8 @@ PanoramaGrid make_grid(const std::vector<Frame>& frames, double scale) {
     for (int y = 0; y < f.z.height; y += 3)
       for (int x = 0; x < f.z.width; x += 3) {
         const Eigen::Vector3d ray = unproject(k, {x + 0.5, y + 0.5});
-        const PanoramaPosition p =
-            locate(grid, f.camera.pose.centre + f.camera.pose.world_from_camera * ray * static_cast<double>(f.z.at(x, y)));
+        const PanoramaPosition p = locate(
+            grid, f.camera.pose.centre + f.camera.pose.world_from_camera * ray * static_cast<double>(f.z.at(x, y)));
         if (std::isfinite(p.inverse_depth) && std::isfinite(f.z.at(x, y))) w_near = std::max(w_near, p.inverse_depth);
       }
   grid.w_near = std::min(w_near, 4.0);
@@ -211,7 +213,8 @@ float refine(const PanoramaGrid& grid, const Frame& frame, int x, int y, float w
 }
 
 Rgb sample(const RgbImage& image, double x_px, double y_px) {
-  const double x = std::clamp(x_px - 0.5, 0.0, image.width - 1.001), y = std::clamp(y_px - 0.5, 0.0, image.height - 1.001);
+  const double x = std::clamp(x_px - 0.5, 0.0, image.width - 1.001),
+               y = std::clamp(y_px - 0.5, 0.0, image.height - 1.001);
   const int xi = static_cast<int>(x), yi = static_cast<int>(y);
   const double s = x - xi, t = y - yi;
   const auto channel = [&](auto member) {
@@ -248,10 +251,12 @@ struct Scene {
 };
 
 std::vector<std::vector<Sample>> gather(const Scene& scene) {
-  std::vector<std::vector<Sample>> samples(static_cast<size_t>(scene.grid.width) * static_cast<size_t>(scene.grid.height));
+  std::vector<std::vector<Sample>> samples(static_cast<size_t>(scene.grid.width) *
+                                           static_cast<size_t>(scene.grid.height));
   for (size_t f = 0; f < scene.frames.size(); ++f) {
     const Frame& frame = scene.frames[f];
-    const Eigen::Vector3d local = scene.grid.arc.world_from_arc.transpose() * (frame.camera.pose.centre - scene.grid.arc.centre);
+    const Eigen::Vector3d local =
+        scene.grid.arc.world_from_arc.transpose() * (frame.camera.pose.centre - scene.grid.arc.centre);
     const double angle = std::atan2(local.y(), local.x());
     for (int y = 0; y < frame.z.height; ++y)
       for (int x = 0; x < frame.z.width; ++x) {
@@ -259,14 +264,15 @@ std::vector<std::vector<Sample>> gather(const Scene& scene) {
         if (p.x < 0) continue;
         const double off = std::abs(std::remainder(scene.grid.theta(p.x + 0.5) - angle, 2 * std::numbers::pi));
         samples[static_cast<size_t>(p.y) * static_cast<size_t>(scene.grid.width) + static_cast<size_t>(p.x)].push_back(
-            {p.w, static_cast<uint16_t>(f), static_cast<uint16_t>(x), static_cast<uint16_t>(y), static_cast<float>(off)});
+            {p.w, static_cast<uint16_t>(f), static_cast<uint16_t>(x), static_cast<uint16_t>(y),
+             static_cast<float>(off)});
       }
   }
   return samples;
 }
 
-// The surface of one cluster of samples: exact depth and colour from the frame nearest to the ray that agrees, one whose
-// colour is no mixture if there is one.
+// The surface of one cluster of samples: exact depth and colour from the frame nearest to the ray that agrees, one
+// whose colour is no mixture if there is one.
 Surface resolve(const Scene& scene, int x, int y, std::vector<Sample> cluster) {
   std::sort(cluster.begin(), cluster.end(), [](const Sample& a, const Sample& b) { return a.off_axis < b.off_axis; });
   Surface best;
@@ -292,15 +298,17 @@ void find_surfaces(Scene& scene) {
       // A ray's surfaces are seen through the pixels around it as well: samples fall between the rays.
       for (int ny = std::max(0, y - 1); ny <= std::min(scene.grid.height - 1, y + 1); ++ny)
         for (int nx = std::max(0, x - 1); nx <= std::min(scene.grid.width - 1, x + 1); ++nx)
-          for (const Sample& s : samples[static_cast<size_t>(ny) * static_cast<size_t>(scene.grid.width) + static_cast<size_t>(nx)])
+          for (const Sample& s :
+               samples[static_cast<size_t>(ny) * static_cast<size_t>(scene.grid.width) + static_cast<size_t>(nx)])
             sorted.push_back(s);
       std::sort(sorted.begin(), sorted.end(), [](const Sample& a, const Sample& b) { return a.w > b.w; });
       int found = 0;
       for (size_t begin = 0; begin < sorted.size() && found < kMaxLayers;) {
         size_t end = begin + 1;
         while (end < sorted.size() && !separate(sorted[end - 1].w, sorted[end].w)) ++end;
-        const Surface surface =
-            resolve(scene, x, y, {sorted.begin() + static_cast<std::ptrdiff_t>(begin), sorted.begin() + static_cast<std::ptrdiff_t>(end)});
+        const Surface surface = resolve(
+            scene, x, y,
+            {sorted.begin() + static_cast<std::ptrdiff_t>(begin), sorted.begin() + static_cast<std::ptrdiff_t>(end)});
         if (surface.w >= 0) scene.surfaces[i][static_cast<size_t>(found++)] = surface;
         begin = end;
       }
@@ -348,13 +356,16 @@ double psnr(const View& view, const RgbImage& truth, bool covered_only) {
 }
 
 double holes(const View& view) {
-  const auto n = std::count_if(view.alpha.samples.begin(), view.alpha.samples.end(), [](uint8_t a) { return a <= 127; });
+  const auto n =
+      std::count_if(view.alpha.samples.begin(), view.alpha.samples.end(), [](uint8_t a) { return a <= 127; });
   return 100.0 * static_cast<double>(n) / static_cast<double>(view.alpha.samples.size());
 }
 
 void measure(const std::string& name, const LayeredPanorama& panorama, const std::vector<Truth>& truths,
              const RenderOptions& options, const fs::path& out) {
-  const auto seconds = [] { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); };
+  const auto seconds = [] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  };
   const double start = seconds();
   const Renderer renderer(panorama);
   const double prepared = seconds();
@@ -375,8 +386,8 @@ void measure(const std::string& name, const LayeredPanorama& panorama, const std
     write_file(out / name / fs::path(truths[i].camera.name).filename(), encode_png(view.colour, view.alpha));
   }
   const double n = static_cast<double>(truths.size());
-  std::printf("%-34s %6.2f %6.2f %6.2f %6.2f   %5.0f %6.1f  %s\n", name.c_str(), all / n, on_arc / 4, covered / n, hole / n,
-              1e3 * (prepared - start), 1e3 * (seconds() - prepared) / n, each.c_str());
+  std::printf("%-34s %6.2f %6.2f %6.2f %6.2f   %5.0f %6.1f  %s\n", name.c_str(), all / n, on_arc / 4, covered / n,
+              hole / n, 1e3 * (prepared - start), 1e3 * (seconds() - prepared) / n, each.c_str());
   std::fflush(stdout);
 }
 
@@ -389,26 +400,27 @@ int run(int argc, char** argv) {
   Scene scene;
   scene.frames = read_frames(folder);
   scene.grid = make_grid(scene.frames, 1);
-  std::printf("grid %dx%d radius %.3f w_near %.3f\n", scene.grid.width, scene.grid.height, scene.grid.arc.radius, scene.grid.w_near);
+  std::printf("grid %dx%d radius %.3f w_near %.3f\n", scene.grid.width, scene.grid.height, scene.grid.arc.radius,
+              scene.grid.w_near);
   find_surfaces(scene);
   std::vector<Truth> truths;
-  for (const Camera& camera : read_cameras(folder / "novel.json")) truths.push_back({camera, read_image(folder / camera.name)});
+  for (const Camera& camera : read_cameras(folder / "novel.json"))
+    truths.push_back({camera, read_image(folder / camera.name)});
   std::printf("%-34s %6s %6s %6s %6s   %5s %6s\n", "variant", "all", "on arc", "cover", "holes", "prep", "ms");
   for (const int block : {0, 8, 16, 32})
     for (const int layers : {1, 2, 3, 4}) {
       if (block != 8 && layers != 3) continue;
       RenderOptions options;
       options.layers = layers;
-      measure("block " + std::to_string(block) + " layers " + std::to_string(layers), make_panorama(scene, block), truths, options, out);
+      measure("block " + std::to_string(block) + " layers " + std::to_string(layers), make_panorama(scene, block),
+              truths, options, out);
     }
   return 0;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) try {
-  return run(argc, argv);
-} catch (const std::exception& error) {
+int main(int argc, char** argv) try { return run(argc, argv); } catch (const std::exception& error) {
   std::fprintf(stderr, "perfect_panorama: %s\n", error.what());
   return 2;
 }

@@ -1,0 +1,1 @@
+ldp_test(render_test SOURCES render_test.cpp USES ldp_render)

@@ -1,0 +1,319 @@
+#include "render.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+
+#include "disparity.h"
+
+namespace ldp {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+PanoramaGrid make_grid(Rays rays, bool wraps) {
+  PanoramaGrid grid;
+  grid.arc.centre = {0.3, -0.2, 1.5};
+  grid.arc.world_from_arc = Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  grid.arc.radius = 0.6;
+  grid.rays = rays;
+  grid.width = wraps ? 628 : 300;
+  grid.height = 160;
+  grid.theta_pitch = wraps ? 2 * kPi / grid.width : 0.01;
+  grid.v_pitch = 0.01;
+  grid.theta_left = 1.5;
+  grid.v_top = 0.8;
+  grid.wraps = wraps;
+  grid.w_near = 2;
+  return grid;
+}
+
+// A camera at `offset` from the arc's centre (arc axes) that looks along u(theta), turned down by `pitch`.
+Camera make_camera(const PanoramaGrid& grid, double theta, const Eigen::Vector3d& offset, double pitch = 0) {
+  Camera camera;
+  camera.name = "view";
+  camera.intrinsics = {120, 90, 100, 100, 60, 45};
+  const Eigen::Vector3d forward = std::cos(pitch) * grid.arc.outward(theta) - std::sin(pitch) * grid.arc.axis();
+  const Eigen::Vector3d right = forward.cross(grid.arc.axis()).normalized();
+  camera.pose.world_from_camera << right, forward.cross(right), forward;
+  camera.pose.centre = grid.arc.centre + grid.arc.world_from_arc * offset;
+  return camera;
+}
+
+using WOfRay = std::function<double(double theta, double v)>;  // negative: absent
+using ColourOfRay = std::function<Rgb(double theta, double v)>;
+
+Layer make_layer(const PanoramaGrid& grid, const WOfRay& w_of_ray, const ColourOfRay& colour_of_ray, int block_px = 8) {
+  Layer layer;
+  DisparityMap disparity(grid.width, grid.height, kNoDisparity);
+  layer.coverage = Plane<uint8_t>(grid.width, grid.height);
+  layer.colour = RgbImage(grid.width, grid.height);
+  for (int y = 0; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x) {
+      const double theta = grid.theta(x + 0.5), v = grid.v(y + 0.5), w = w_of_ray(theta, v);
+      if (w < 0) continue;
+      disparity.at(x, y) = static_cast<uint16_t>(std::lround(std::clamp(w / grid.w_near, 0.0, 1.0) * kDisparitySteps));
+      layer.coverage.at(x, y) = 1;
+      layer.colour.at(x, y) = colour_of_ray(theta, v);
+    }
+  layer.depth = encode_depth(disparity, block_px);
+  return layer;
+}
+
+Rgb smooth_colour(double theta, double v) {
+  return {static_cast<uint8_t>(128 + 100 * std::sin(3 * theta)), static_cast<uint8_t>(128 + 100 * std::cos(4 * v + 1)),
+          static_cast<uint8_t>(128 + 100 * std::sin(2 * theta + 3 * v))};
+}
+Rgb white(double, double) { return {255, 255, 255}; }
+Rgb black(double, double) { return {0, 0, 0}; }
+
+LayeredPanorama one_layer(const PanoramaGrid& grid, const WOfRay& w, const ColourOfRay& colour = smooth_colour,
+                          int block_px = 8) {
+  return {grid, {make_layer(grid, w, colour, block_px)}, {}, {}, {}, {}};
+}
+
+// A near square of white before a black background at infinity that goes on behind it in layer 1.
+constexpr double kFrontW = 1.0;
+bool in_square(double theta, double v) { return std::abs(theta) < 0.2 && std::abs(v) < 0.2; }
+LayeredPanorama square_before_background(const PanoramaGrid& grid) {
+  const auto front = [](double theta, double v) { return in_square(theta, v) ? kFrontW : 0.0; };
+  const auto behind = [](double theta, double v) { return in_square(theta, v) ? 0.0 : -1.0; };
+  const auto colour = [](double theta, double v) { return in_square(theta, v) ? Rgb{255, 255, 255} : Rgb{0, 0, 0}; };
+  return {grid, {make_layer(grid, front, colour), make_layer(grid, behind, black)}, {}, {}, {}, {}};
+}
+
+RenderOptions with_depth() {
+  RenderOptions options;
+  options.depth = true;
+  return options;
+}
+
+int holes(const View& view) {
+  return static_cast<int>(std::count(view.alpha.samples.begin(), view.alpha.samples.end(), 0));
+}
+
+class RenderOfBothRays : public testing::TestWithParam<Rays> {};
+INSTANTIATE_TEST_SUITE_P(Rays, RenderOfBothRays, testing::Values(Rays::pushbroom, Rays::central));
+
+TEST_P(RenderOfBothRays, shows_a_world_at_infinity_by_direction_alone_wherever_the_camera_is) {
+  const PanoramaGrid grid = make_grid(GetParam(), false);
+  const LayeredPanorama panorama = one_layer(grid, [](double, double) { return 0.0; });
+  const Renderer renderer(panorama);
+  for (const Eigen::Vector3d& offset : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(5, -3, 2)}) {
+    const Camera camera = make_camera(grid, 0.1, offset, 0.1);
+    const View view = renderer.render(camera, with_depth());
+    for (int y = 0; y < 90; ++y)
+      for (int x = 0; x < 120; ++x) {
+        const Eigen::Vector3d d = grid.arc.world_from_arc.transpose() * camera.pose.world_from_camera *
+                                  unproject(camera.intrinsics, {x + 0.5, y + 0.5});
+        const Rgb expected = smooth_colour(std::atan2(d.y(), d.x()), d.z() / std::hypot(d.x(), d.y()));
+        const Rgb got = view.colour.at(x, y);
+        ASSERT_EQ(view.alpha.at(x, y), 255);
+        ASSERT_NEAR(got.r, expected.r, 2);
+        ASSERT_NEAR(got.g, expected.g, 2);
+        ASSERT_NEAR(got.b, expected.b, 2);
+        ASSERT_EQ(view.depth.at(x, y), INFINITY);
+      }
+  }
+}
+
+// Where a ray from `origin` along `direction` meets the plane n.x = c, in multiples of `direction`.
+std::optional<double> meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, const Eigen::Vector3d& n,
+                           double c) {
+  const double along = n.dot(direction), t = (c - n.dot(origin)) / along;
+  if (std::abs(along) < 1e-9 || t <= 0) return std::nullopt;
+  return t;
+}
+
+// World of one plane (in arc axes): every ray's inverse depth is exact, and so is every view's depth.
+void expect_plane(const PanoramaGrid& grid, const Eigen::Vector3d& n, double c, const Camera& camera,
+                  double tolerance) {
+  const auto w = [&](double theta, double v) {
+    const Eigen::Vector3d d(std::cos(theta), std::sin(theta), v);
+    const auto t = meet(grid.ray_radius() * Eigen::Vector3d(d.x(), d.y(), 0), d, n, c);
+    return t ? 1 / *t : 0.0;
+  };
+  const View view = Renderer(one_layer(grid, w)).render(camera, with_depth());
+  const Eigen::Matrix3d arc_from_world = grid.arc.world_from_arc.transpose();
+  int compared = 0;
+  for (int y = 0; y < 90; ++y)
+    for (int x = 0; x < 120; ++x) {
+      const Eigen::Vector3d d =
+          arc_from_world * camera.pose.world_from_camera * unproject(camera.intrinsics, {x + 0.5, y + 0.5});
+      const auto z = meet(arc_from_world * (camera.pose.centre - grid.arc.centre), d, n, c);
+      if (!z || *z > 10) continue;
+      ASSERT_EQ(view.alpha.at(x, y), 255) << "crack at " << x << ", " << y;
+      ASSERT_NEAR(1 / view.depth.at(x, y), 1 / *z, tolerance) << x << ", " << y;
+      ++compared;
+    }
+  EXPECT_GT(compared, 2000);
+}
+
+TEST_P(RenderOfBothRays, has_no_cracks_and_exact_depth_on_a_slanted_wall_seen_from_inside_the_arc) {
+  const PanoramaGrid grid = make_grid(GetParam(), false);
+  expect_plane(grid, Eigen::Vector3d(1, 0.8, 0.1).normalized(), 2, make_camera(grid, 0.2, {0.1, 0, 0}), 0.01);
+}
+
+TEST_P(RenderOfBothRays, has_no_cracks_and_exact_depth_on_the_ground_seen_from_outside_the_arc) {
+  const PanoramaGrid grid = make_grid(GetParam(), false);
+  expect_plane(grid, {0, 0, 1}, -1.2, make_camera(grid, 0, {0.9, 0.1, 0.3}, 0.15), 0.01);
+}
+
+TEST_P(RenderOfBothRays, keeps_its_surface_whole_when_sixteen_uniform_codes_make_steps_of_it) {
+  const PanoramaGrid grid = make_grid(GetParam(), false);
+  const auto w = [&](double theta, double v) { return 0.6 * std::cos(theta) + 0.2 * v + 0.3; };
+  const View view = Renderer(one_layer(grid, w, smooth_colour, 0)).render(make_camera(grid, 0, {0.3, 0.1, 0.05}), {});
+  EXPECT_EQ(holes(view), 0);
+}
+
+TEST_P(RenderOfBothRays, closes_the_full_circle_without_a_seam) {
+  const PanoramaGrid grid = make_grid(GetParam(), true);
+  const auto colour = [](double theta, double v) { return smooth_colour(std::remainder(theta, 2 * kPi), v); };
+  const LayeredPanorama panorama = one_layer(
+      grid, [](double, double) { return 0.8; }, colour);
+  const View view = Renderer(panorama).render(make_camera(grid, grid.theta_left, {0.1, 0.2, 0}), {});
+  EXPECT_EQ(holes(view), 0);
+  for (int x = 1; x < 120; ++x)
+    EXPECT_NEAR(view.colour.at(x, 45).r, view.colour.at(x - 1, 45).r, 8) << "seam at column " << x;
+}
+
+TEST(Render, shows_the_background_beside_an_edge_and_nothing_stretched_between) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
+  const LayeredPanorama panorama = square_before_background(grid);
+  const View view = Renderer(panorama).render(make_camera(grid, 0, {0.4, 0.3, 0}), with_depth());
+  int front = 0;
+  for (int y = 0; y < 90; ++y)
+    for (int x = 0; x < 120; ++x) {
+      ASSERT_GE(view.alpha.at(x, y), 254) << x << ", " << y;
+      const float z = view.depth.at(x, y);
+      ASSERT_TRUE(z == INFINITY || (z > 1.0F && z < 1.4F)) << "depth " << z << " at " << x << ", " << y;
+      front += z != INFINITY ? 1 : 0;
+    }
+  EXPECT_GT(front, 500);
+}
+
+TEST(Render, leaves_a_hole_where_no_layer_is) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
+  const LayeredPanorama panorama = square_before_background(grid);
+  RenderOptions options = with_depth();
+  options.layers = 1;
+  const View view = Renderer(panorama).render(make_camera(grid, 0, {0.4, 0.3, 0}), options);
+  EXPECT_GT(holes(view), 300);
+  for (size_t i = 0; i < view.alpha.samples.size(); ++i)
+    ASSERT_TRUE(view.alpha.samples[i] != 0 || view.depth.samples[i] == 0);
+}
+
+TEST(Render, softens_silhouettes) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
+  const LayeredPanorama panorama = square_before_background(grid);
+  const View view = Renderer(panorama).render(make_camera(grid, 0, {0.613, 0.017, 0.003}), {});
+  const auto between = std::count_if(view.colour.samples.begin(), view.colour.samples.end(),
+                                     [](Rgb c) { return c.r > 20 && c.r < 235; });
+  EXPECT_GT(between, 60);   // the square's outline is about 160 pixels long
+  EXPECT_LT(between, 250);  // and no wider than a pixel
+}
+
+TEST(Render, lets_the_layer_behind_through_by_the_alpha_of_the_one_before) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
+  const auto at = [](double w) { return [w](double, double) { return w; }; };
+  LayeredPanorama panorama{grid, {make_layer(grid, at(1), white), make_layer(grid, at(0.2), black)}, {}, {}, {}, {}};
+  panorama.layers[0].alpha = Plane<uint8_t>(grid.width, grid.height, 64);
+  const Camera camera = make_camera(grid, 0, {0.5, 0.1, 0});
+  const View view = Renderer(panorama).render(camera, with_depth());
+  EXPECT_NEAR(view.colour.at(60, 45).r, 64, 2);
+  EXPECT_EQ(view.alpha.at(60, 45), 255);
+  EXPECT_GT(view.depth.at(60, 45), 4);  // what is seen through three quarters of it lies behind
+  panorama.layers.pop_back();
+  const View alone = Renderer(panorama).render(camera, {});
+  EXPECT_NEAR(alone.alpha.at(60, 45), 64, 1);
+  EXPECT_EQ(alone.colour.at(60, 45).r, 255);
+}
+
+TEST(Render, honours_the_distortion_of_the_camera) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
+  const Renderer renderer(
+      one_layer(grid, [](double theta, double v) { return 0.5 + 0.2 * std::sin(2 * theta) + 0.1 * v; }));
+  Camera camera = make_camera(grid, 0, {0.5, 0, 0});
+  const View straight = renderer.render(camera, {});
+  Camera bent = camera;
+  bent.intrinsics.k1 = -0.15, bent.intrinsics.k2 = 0.02, bent.intrinsics.p1 = 0.003, bent.intrinsics.p2 = -0.002;
+  const View view = renderer.render(bent, {});
+  int compared = 0;
+  for (int y = 0; y < 90; ++y)
+    for (int x = 0; x < 120; ++x) {
+      const Eigen::Vector2d p = project(camera.intrinsics, unproject(bent.intrinsics, {x + 0.5, y + 0.5}));
+      const int px = static_cast<int>(p.x()), py = static_cast<int>(p.y());
+      if (px < 0 || py < 0 || px >= 120 || py >= 90) continue;
+      ASSERT_NEAR(view.colour.at(x, y).r, straight.colour.at(px, py).r, 5) << x << ", " << y;
+      ++compared;
+    }
+  EXPECT_GT(compared, 8000);
+  EXPECT_EQ(holes(view), 0);
+}
+
+TEST(Render, gives_the_same_bytes_at_any_thread_count) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, true);
+  const Renderer renderer(square_before_background(grid));
+  Camera camera = make_camera(grid, 0, {0.4, 0.3, 0.1}, 0.05);
+  camera.intrinsics = {601, 333, 480, 480, 300, 160};
+  RenderOptions options = with_depth();
+  options.fill = Fill::background;
+  Job threads;
+  const View one = renderer.render(camera, options, threads);
+  threads.threads = 3;
+  const View three = renderer.render(camera, options, threads);
+  EXPECT_EQ(one.colour, three.colour);
+  EXPECT_EQ(one.alpha, three.alpha);
+  EXPECT_EQ(one.depth, three.depth);
+}
+
+TEST(Render, survives_cameras_inside_behind_and_beyond_every_surface) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, true);
+  const Renderer renderer(square_before_background(grid));
+  for (int i = 0; i < 60; ++i) {
+    const double a = i * 2.4;
+    const Eigen::Vector3d offset = 0.1 * i * Eigen::Vector3d(std::cos(3 * a), std::sin(3 * a), 0.3 * std::sin(a));
+    const View view = renderer.render(make_camera(grid, a, offset, 1.5 * std::sin(a)), with_depth());
+    for (size_t k = 0; k < view.depth.samples.size(); ++k) ASSERT_GE(view.depth.samples[k], 0);
+  }
+}
+
+TEST(Render, refuses_a_view_without_size_or_focal_length_in_words) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
+  const Renderer renderer(one_layer(grid, [](double, double) { return 0.5; }));
+  Camera camera = make_camera(grid, 0, {0, 0, 0});
+  camera.intrinsics.width = 0;
+  EXPECT_THAT([&] { renderer.render(camera, {}); }, testing::ThrowsMessage<std::runtime_error>(testing::AllOf(
+                                                        testing::HasSubstr("view"), testing::HasSubstr("0x90"))));
+  camera.intrinsics.width = 120;
+  camera.intrinsics.fx = 0;
+  EXPECT_THAT([&] { renderer.render(camera, {}); },
+              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("fl_x")));
+}
+
+TEST(Render, refuses_a_layer_of_another_size_than_the_panorama) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
+  LayeredPanorama panorama = one_layer(grid, [](double, double) { return 0.5; });
+  panorama.layers[0].colour = RgbImage(3, 3);
+  EXPECT_THROW(Renderer{panorama}, std::logic_error);
+}
+
+TEST(Render, stops_when_asked) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
+  const Renderer renderer(one_layer(grid, [](double, double) { return 0.5; }));
+  std::stop_source stop;
+  stop.request_stop();
+  Job job;
+  job.stop = stop.get_token();
+  EXPECT_THROW(renderer.render(make_camera(grid, 0, {0, 0, 0}), {}, job), Cancelled);
+}
+
+}  // namespace
+}  // namespace ldp
