@@ -11,6 +11,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "camera_path.h"
 #include "disparity.h"
 
 namespace ldp {
@@ -313,6 +314,53 @@ TEST(Render, stops_when_asked) {
   Job job;
   job.stop = stop.get_token();
   EXPECT_THROW(renderer.render(make_camera(grid, 0, {0, 0, 0}), {}, job), Cancelled);
+}
+
+TEST(CameraPath, stays_upright_smooth_and_within_its_limits_and_ends_where_it_begins) {
+  const PanoramaGrid base = make_grid(Rays::pushbroom, false);
+  LayeredPanorama panorama = one_layer(base, [](double, double) { return 0.5; });
+  panorama.grid.arc.theta_begin = -0.8, panorama.grid.arc.theta_end = 0.8;
+  panorama.limits = {0.2, 0.9, 0.3};
+  for (const auto kind : {CameraPath::sway, CameraPath::dolly, CameraPath::walk}) {
+    CameraPathOptions options;
+    options.kind = kind;
+    const std::vector<Camera> path = camera_path(panorama, options);
+    ASSERT_EQ(path.size(), 90U);
+    EXPECT_EQ(path[7].name, "frame_007");
+    for (size_t i = 0; i < path.size(); ++i) {
+      const Eigen::Vector3d p =
+          panorama.grid.arc.world_from_arc.transpose() * (path[i].pose.centre - panorama.grid.arc.centre);
+      EXPECT_LE(p.head<2>().norm(), 0.9 + 1e-9);
+      EXPECT_GE(p.head<2>().norm(), 0.2 - 1e-9);
+      EXPECT_NEAR(path[i].pose.world_from_camera.col(0).dot(panorama.grid.arc.axis()), 0, 1e-12);
+      EXPECT_NEAR(path[i].pose.world_from_camera.determinant(), 1, 1e-9);
+      const size_t next = (i + 1) % path.size();
+      if (kind != CameraPath::walk || next != 0) {
+        EXPECT_LT((path[next].pose.centre - path[i].pose.centre).norm(), 0.04);
+      }
+    }
+  }
+}
+
+TEST(CameraPath, shows_no_rows_beyond_the_panorama) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, true);
+  LayeredPanorama panorama = one_layer(grid, [](double, double) { return 0.2; });
+  panorama.grid.arc.closed = true;
+  panorama.grid.arc.theta_end = 2 * kPi;
+  const Renderer renderer(panorama);
+  for (const auto kind : {CameraPath::sway, CameraPath::walk}) {
+    CameraPathOptions options{kind, 5, 160, 160, 2.0};
+    for (const Camera& camera : camera_path(panorama, options)) EXPECT_EQ(holes(renderer.render(camera, {})), 0);
+  }
+}
+
+TEST(CameraPath, refuses_nonsense_in_words) {
+  EXPECT_THAT([] { camera_path_from_name("fly"); },
+              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("sway, walk, dolly")));
+  CameraPathOptions options;
+  options.frames = 0;
+  EXPECT_THAT([&] { camera_path({}, options); },
+              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("frames")));
 }
 
 }  // namespace
