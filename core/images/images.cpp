@@ -58,6 +58,10 @@ RgbImage decode_image(std::span<const uint8_t> bytes, const std::string& name) {
   return decode(bytes, name, kMaxImagePixels).image;
 }
 
+RgbImage decode_image(std::span<const uint8_t> bytes, const std::string& name, int64_t max_pixels) {
+  return decode(bytes, name, max_pixels).image;
+}
+
 ImageSize image_size(std::span<const uint8_t> bytes, const std::string& name) {
   if (is_jpeg(bytes)) return jpeg_size(bytes, name);
   if (is_png(bytes)) return png_size(bytes, name);

@@ -45,6 +45,8 @@ ImageSize read_image_size(const std::filesystem::path& file);
 
 // From memory. EXIF orientation is not applied.
 RgbImage decode_image(std::span<const uint8_t> bytes, const std::string& name_for_errors);
+// Shrunk as by read_photo to at most max_pixels: a JPEG's thumbnail in a millisecond or two.
+RgbImage decode_image(std::span<const uint8_t> bytes, const std::string& name_for_errors, int64_t max_pixels);
 ImageSize image_size(std::span<const uint8_t> bytes, const std::string& name_for_errors);
 
 // An application segment of a JPEG file: marker 0xE0 .. 0xEF or 0xFE, up to 65533 bytes.

@@ -1,0 +1,54 @@
+// What ldpd is told: one TOML file, every mistake in it named with its line.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "session_state.h"
+
+namespace ldp {
+
+struct Config {
+  std::string camera = "libcamera:0";
+  std::string button = "gpiod:name=capture-button?active_low=yes&bias=pull-up";
+  std::vector<std::string> status = {"console:"};
+  std::string output = "/var/lib/ldpd";
+  std::string device_name = "layered-depth-panorama camera";
+
+  // [sweep]
+  ButtonMode mode = ButtonMode::hold;
+  double overlap = 0.75;  // of neighbouring frames
+  int max_frames = 80;
+  double max_seconds = 60;
+  int min_frames = 4;  // fewer are not built
+  double arm_length_m = 0.65;
+  double fov_degrees = 0;         // horizontal, 0 = unknown
+  double lost_after_seconds = 3;  // without a frame the camera counts as lost
+  int reserve_mib = 64;           // of the disk, never filled
+
+  // [build]
+  std::string program;         // empty: ldp beside ldpd
+  int threads = 0;             // 0 = all
+  int memory_limit_mib = 512;  // of the process, 0 = none
+  int niceness = 10;
+  std::vector<std::string> options;
+};
+
+struct ConfigMistake {
+  int line = 0;  // 0: none, the file cannot be read
+  std::string text;
+};
+
+struct CheckedConfig {
+  Config config;                        // good only without mistakes
+  std::vector<ConfigMistake> mistakes;  // in the order of the file
+};
+
+CheckedConfig parse_config(const std::string& toml_text);
+CheckedConfig read_config(const std::filesystem::path& file);
+
+std::string config_text(const Config& config);  // as TOML, comments included; parse_config gives it back
+
+}  // namespace ldp

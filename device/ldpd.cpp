@@ -1,0 +1,86 @@
+// ldpd: the capture service. Button pressed, arm turned, button released: a finished .ldp.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "config.h"
+#include "log.h"
+#include "session.h"
+
+namespace {
+
+constexpr int kBadConfiguration = 78;  // EX_CONFIG: systemd is told not to start again
+constexpr const char* kDefaultConfig = "/etc/ldpd.toml";
+
+struct Arguments {
+  std::string config_file, camera, button, output;
+  std::vector<std::string> status;
+  bool once = false, check_config = false, print_config = false;
+};
+
+void declare(CLI::App& app, Arguments& arguments) {
+  app.add_option("--config", arguments.config_file,
+                 std::string("configuration file; default ") + kDefaultConfig + " where it exists");
+  app.add_option("--camera", arguments.camera, "libcamera:0, v4l2:/dev/video0, folder:DIR?fps=30, scene:NAME?fps=30");
+  app.add_option("--button", arguments.button, "gpiod:name=LINE, gpiod:gpiochip0/17, script:FILE, keyboard:");
+  app.add_option("--status", arguments.status,
+                 "lcm:udpm://239.255.76.67:7667?ttl=0, led:name=LINE, console:; several allowed");
+  app.add_option("-o,--output", arguments.output, "folder of the captures and panoramas");
+  app.add_flag("--once", arguments.once, "one sweep and its build, then exit: 0 if a panorama was made, else 1");
+  app.add_flag("--check-config", arguments.check_config,
+               "name every mistake in the configuration with its line, and exit");
+  app.add_flag("--print-config", arguments.print_config,
+               "print the configuration as it holds, with comments, and exit");
+}
+
+// Mistakes in it go to standard error, one a line. False if there are any.
+bool read_configuration(const Arguments& arguments, ldp::Config& config) {
+  std::string file = arguments.config_file;
+  if (file.empty() && std::filesystem::exists(kDefaultConfig)) file = kDefaultConfig;
+  bool good = true;
+  if (!file.empty()) {
+    const ldp::CheckedConfig checked = ldp::read_config(file);
+    for (const ldp::ConfigMistake& mistake : checked.mistakes) {
+      const std::string line = mistake.line > 0 ? ":" + std::to_string(mistake.line) : "";
+      std::fprintf(stderr, "%s%s: %s\n", file.c_str(), line.c_str(), mistake.text.c_str());
+    }
+    config = checked.config;
+    good = checked.mistakes.empty();
+  }
+  if (!arguments.camera.empty()) config.camera = arguments.camera;
+  if (!arguments.button.empty()) config.button = arguments.button;
+  if (!arguments.output.empty()) config.output = arguments.output;
+  if (!arguments.status.empty()) config.status = arguments.status;
+  return good;
+}
+
+int serve(const Arguments& arguments) {
+  ldp::Config config;
+  if (!read_configuration(arguments, config)) return kBadConfiguration;
+  if (arguments.print_config) std::fputs(ldp::config_text(config).c_str(), stdout);
+  if (arguments.print_config || arguments.check_config) return 0;
+  ldp::Session session(config, arguments.once ? ldp::Run::once : ldp::Run::service);
+  return session.run();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("The capture service of the layered-depth-panorama camera: press, turn, release.", "ldpd");
+  Arguments arguments;
+  declare(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::fprintf(stderr, "ldpd: %s\n", error.what());
+    return 2;
+  }
+  try {
+    return serve(arguments);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "ldpd: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,471 @@
+#include "session.h"
+
+#include <poll.h>
+#include <sys/signalfd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <thread>
+
+#include "clocks.h"
+#include "errors.h"
+#include "log.h"
+
+namespace ldp {
+namespace {
+
+constexpr int64_t kSecond_ns = 1'000'000'000;
+constexpr int64_t kLongPress_ns = 3 * kSecond_ns;
+constexpr int64_t kRest_ns = 30 * kSecond_ns;  // how long a result stays shown
+constexpr int64_t kGuidanceInterval_ns = kSecond_ns / 5;
+constexpr int64_t kButtonRetry_ns = 2 * kSecond_ns;
+constexpr int kMaxInterruptions = 20;  // of a build by power cuts, before it is left alone
+
+std::string frames_text(int frames) { return std::to_string(frames) + (frames == 1 ? " frame" : " frames"); }
+
+std::string seconds_text(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f s", seconds);
+  return text;
+}
+
+std::filesystem::path program_beside_us() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "ldp";
+}
+
+}  // namespace
+
+Session::Session(Config config, Run run) : config_(std::move(config)), run_(run), store_(config_.output) {
+  sigset_t wanted;
+  sigemptyset(&wanted);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&wanted, signal);
+  ::pthread_sigmask(SIG_BLOCK, &wanted, &signals_before_);
+  signals_.reset(::signalfd(-1, &wanted, SFD_NONBLOCK | SFD_CLOEXEC));
+  if (!signals_.is_open()) throw_errno("cannot receive signals");
+  for (const std::string& url : config_.status) pending_statuses_.push_back({url, {}});
+  open_statuses_again();
+  if (run_ != Run::service) {
+    button_ = open_button(config_.button);
+    return;
+  }
+  for (const CaptureState& capture : store_.recover()) {
+    const BuildRecord& build = capture.build;
+    const bool wants = !capture.built && !build.cancelled && !build.failed && build.interruptions < kMaxInterruptions;
+    if (wants && capture.frames >= config_.min_frames) backlog_.push_back(capture.name);
+  }
+  open_button_again(monotonic_now_ns());
+}
+
+Session::~Session() { ::pthread_sigmask(SIG_SETMASK, &signals_before_, nullptr); }
+
+// --- the loop --------------------------------------------------------------------------------------------------------
+
+int Session::run() {
+  say("ready");
+  notice_.ready();
+  while (!stopping_) turn();
+  notice_.stopping();
+  return exit_status_;
+}
+
+void Session::turn() {
+  std::vector<Watch> watched = watches();
+  std::vector<pollfd> entries;
+  for (const Watch& watch : watched) entries.push_back({watch.fd, POLLIN, 0});
+  const int64_t wait_ns = std::max<int64_t>(next_deadline_ns() - monotonic_now_ns(), 0);
+  const int timeout_ms = static_cast<int>(std::min<int64_t>(wait_ns / 1'000'000 + 1, 60'000));
+  const int ready = ::poll(entries.data(), entries.size(), wait_ns == 0 ? 0 : timeout_ms);
+  if (ready < 0 && errno != EINTR) throw_errno("cannot wait for events");
+  // One at a time: serving one may close another.
+  for (size_t i = 0; ready > 0 && i < entries.size(); ++i) {
+    if (entries[i].revents != 0) {
+      watched[i].serve();
+      if (watches().size() != watched.size()) break;
+    }
+  }
+  const int64_t now_ns = monotonic_now_ns();
+  check_deadlines(now_ns);
+  notice_.feed_watchdog(now_ns);
+}
+
+std::vector<Session::Watch> Session::watches() {
+  std::vector<Watch> watched;
+  const auto add = [&](int fd, std::function<void()> serve) {
+    if (fd >= 0) watched.push_back({fd, std::move(serve)});
+  };
+  add(signals_.get(), [this] { serve_signals(); });
+  add(writer_.fd(), [this] { serve_writer(); });
+  if (button_) add(button_->fd(), [this] { serve_button(); });
+  for (size_t i = 0; i < statuses_.size(); ++i) {
+    add(statuses_[i]->fd(), [this, i] {
+      while (const auto command = statuses_[i]->read()) obey(*command);
+    });
+  }
+  if (build_) {
+    add(build_->progress_fd(), [this] { serve_build(); });
+    add(build_->error_fd(), [this] { serve_build(); });
+    add(build_->end_fd(), [this] { serve_build(); });
+  }
+  if (sweep_) add(sweep_->fd(), [this] { serve_camera(); });
+  return watched;
+}
+
+int64_t Session::next_deadline_ns() const {
+  int64_t deadline_ns = next_tick_ns_;
+  if (sweep_) deadline_ns = std::min(deadline_ns, sweep_->deadline_ns());
+  if (pressed_since_ns_) deadline_ns = std::min(deadline_ns, *pressed_since_ns_ + kLongPress_ns);
+  if (const auto feed_ns = notice_.watchdog_deadline_ns()) deadline_ns = std::min(deadline_ns, *feed_ns);
+  return deadline_ns;
+}
+
+void Session::check_deadlines(int64_t now_ns) {
+  if (pressed_since_ns_ && now_ns >= *pressed_since_ns_ + kLongPress_ns) {
+    pressed_since_ns_.reset();
+    handle(Event::long_press, "cancelled: the button was held for 3 s");
+  }
+  if (sweep_ && sweep_->full(now_ns)) {
+    handle(Event::sweep_full, "the sweep is complete");
+  } else if (sweep_ && sweep_->stalled(now_ns)) {
+    handle(Event::camera_lost, "the camera gives no more frames");
+  }
+  if (rest_at_ns_ != 0 && now_ns >= rest_at_ns_) {
+    rest_at_ns_ = 0;
+    handle(Event::rest, "ready");
+  }
+  if (now_ns < next_tick_ns_) return;
+  next_tick_ns_ = now_ns + kSecond_ns;
+  if (!backlog_.empty() && !build_ && !sweep_closing_) handle(Event::build_pending, "building an unfinished capture");
+  open_statuses_again();
+  open_button_again(now_ns);
+  publish_status();
+}
+
+// --- events and actions ----------------------------------------------------------------------------------------------
+
+void Session::handle(Event event, const std::string& why) {
+  const Transition transition = next(phase_, event, config_.mode);
+  const bool changed = transition.phase != phase_;
+  phase_ = transition.phase;
+  if (changed) rest_at_ns_ = phase_ == Phase::done || phase_ == Phase::failed ? monotonic_now_ns() + kRest_ns : 0;
+  if (changed && phase_ != Phase::capturing && phase_ != Phase::building) say(why);
+  perform(transition.action, why);
+  const bool over = phase_ == Phase::idle || phase_ == Phase::done || phase_ == Phase::failed;
+  if (changed && over && run_ != Run::service) {
+    exit_status_ = phase_ == Phase::done ? 0 : 1;
+    stopping_ = true;
+  }
+}
+
+void Session::perform(Action action, const std::string& why) {
+  switch (action) {
+    case Action::none:
+      return;
+    case Action::begin_sweep:
+      return begin_sweep();
+    case Action::end_sweep:
+      return end_sweep(why, true);
+    case Action::keep_sweep:
+      return end_sweep(why, false);
+    case Action::abandon_sweep:
+      return abandon_sweep();
+    case Action::start_build:
+      return start_build();
+    case Action::cancel_build:
+      return stop_build(true);
+    case Action::suspend_build:
+      return stop_build(false);
+    case Action::say_busy:
+      return say("still building " + capture_ + "; please wait, or hold for 3 s to cancel");
+  }
+}
+
+void Session::begin_sweep() {
+  frames_stored_ = 0;
+  capture_.clear();
+  storage_problem_.clear();
+  try {
+    if (sweeps_left() < 1) {
+      throw std::runtime_error(
+          "no room for another sweep on the disk: 0 sweeps left; copy captures away and delete them");
+    }
+    auto camera = open_camera(config_.camera);
+    capture_ =
+        run_ == Run::capture_only ? std::filesystem::path(config_.output).filename().string() : store_.create_capture();
+    sweep_ = std::make_unique<Sweep>(config_, std::move(camera), capture_folder(), writer_);
+    next_guidance_ns_ = 0;
+    say("capturing: turn slowly, arm stretched out");
+  } catch (const std::exception& error) {
+    const std::string unused = std::exchange(capture_, {});
+    if (!unused.empty() && run_ != Run::capture_only) store_.discard(unused);
+    handle(Event::sweep_refused, error.what());
+  }
+}
+
+void Session::end_sweep(const std::string& why, bool complete) {
+  sweep_end_ns_ = monotonic_now_ns();
+  try {
+    if (sweep_) sweep_->end(why, complete);
+  } catch (const std::exception& error) {
+    log_warning(std::string("the last frame was skipped: ") + error.what());
+  }
+  sweep_.reset();
+  sweep_closing_ = true;
+  say(why + "; storing");
+}
+
+void Session::abandon_sweep() {
+  sweep_.reset();
+  while (writer_.pending() > 0) {  // the writer must not write into a folder that is being removed
+    pollfd entry{writer_.fd(), POLLIN, 0};
+    ::poll(&entry, 1, 1000);
+    while (writer_.take()) {
+    }
+  }
+  if (run_ != Run::capture_only) store_.discard(capture_);
+  frames_stored_ = 0;
+  say("the sweep was cancelled; its frames were removed");
+  capture_.clear();
+}
+
+// The last frame is on disk: on to the build.
+void Session::continue_after_sweep() {
+  sweep_closing_ = false;
+  if (phase_ != Phase::building) return;
+  if (frames_stored_ < config_.min_frames) {
+    const std::string why = storage_problem_.empty()
+                                ? "press, turn slowly through at least a quarter circle, press again"
+                                : storage_problem_;
+    return fail_build("only " + frames_text(frames_stored_) + ", at least " + std::to_string(config_.min_frames) +
+                      " are needed: " + why);
+  }
+  if (run_ == Run::capture_only) {
+    publish(Result{capture_, {}, true, frames_text(frames_stored_) + " in " + config_.output, 0});
+    return handle(Event::build_done, frames_text(frames_stored_) + " captured");
+  }
+  backlog_.push_front(capture_);
+  start_build();
+}
+
+BuildCommand Session::build_command() const {
+  BuildCommand command;
+  command.program = config_.program.empty() ? program_beside_us() : std::filesystem::path(config_.program);
+  command.niceness = config_.niceness;
+  command.memory_limit_bytes = uint64_t{static_cast<unsigned>(config_.memory_limit_mib)} << 20;
+  const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+  const int threads = config_.threads > 0 ? config_.threads : static_cast<int>(cores);
+  command.arguments = {"build",     store_.folder_of(capture_).string(),
+                       "-o",        store_.building_of(capture_).string(),
+                       "--threads", std::to_string(threads)};
+  if (config_.fov_degrees > 0) {
+    command.arguments.insert(command.arguments.end(), {"--fov", std::to_string(config_.fov_degrees)});
+  }
+  command.arguments.insert(command.arguments.end(), config_.options.begin(), config_.options.end());
+  return command;
+}
+
+void Session::start_build() {
+  const bool unfinished = capture_ != backlog_.front();
+  capture_ = backlog_.front();
+  backlog_.pop_front();
+  if (unfinished) sweep_end_ns_ = monotonic_now_ns();
+  try {
+    store_.clear_building();
+    BuildRecord record = store_.read_build_record(capture_);
+    ++record.interruptions;  // taken back when the build comes to an end of any kind
+    store_.write_build_record(capture_, record);
+    build_ = std::make_unique<BuildChild>(build_command());
+    say("building " + capture_);
+  } catch (const std::exception& error) {
+    fail_build(error.what());
+  }
+}
+
+void Session::stop_build(bool cancelled) {
+  build_.reset();
+  if (sweep_closing_ || capture_.empty()) return;  // not begun yet; the frames are kept either way
+  store_.clear_building();
+  BuildRecord record = store_.read_build_record(capture_);
+  record.interruptions = std::max(0, record.interruptions - 1);
+  record.cancelled = cancelled;
+  if (cancelled) record.reason = "cancelled";
+  store_.write_build_record(capture_, record);
+  if (cancelled) say("the build was cancelled; the frames are kept in " + capture_);
+}
+
+void Session::finish_build(const BuildEnd& end) {
+  build_.reset();
+  if (!end.ok) return fail_build(end.reason);
+  try {
+    store_.publish_panorama(capture_);
+  } catch (const std::exception& error) {
+    return fail_build(error.what());
+  }
+  const double seconds = static_cast<double>(monotonic_now_ns() - sweep_end_ns_) * 1e-9;
+  const std::string file = store_.panorama_of(capture_).string();
+  publish(Result{capture_, file, true, "built in " + seconds_text(seconds), seconds});
+  handle(Event::build_done, file + " is ready");
+}
+
+void Session::fail_build(const std::string& reason) {
+  if (run_ != Run::capture_only) {
+    try {
+      store_.clear_building();
+      store_.write_build_record(capture_, {0, false, true, reason});
+    } catch (const std::exception& error) {
+      log_warning(error.what());
+    }
+  }
+  const double seconds = static_cast<double>(monotonic_now_ns() - sweep_end_ns_) * 1e-9;
+  publish(Result{capture_, {}, false, reason, seconds});
+  handle(Event::build_failed, reason);
+}
+
+// --- what the descriptors bring --------------------------------------------------------------------------------------
+
+void Session::serve_camera() {
+  try {
+    sweep_->read_frames();
+  } catch (const std::exception& error) {
+    return handle(Event::camera_lost, error.what());
+  }
+  const int64_t now_ns = monotonic_now_ns();
+  if (now_ns < next_guidance_ns_) return;
+  next_guidance_ns_ = now_ns + kGuidanceInterval_ns;
+  publish(sweep_->guidance());
+}
+
+void Session::serve_writer() {
+  while (const auto outcome = writer_.take()) {
+    if (!outcome->error.empty()) {
+      if (storage_problem_.empty()) storage_problem_ = "cannot store: " + outcome->error;
+    } else if (!outcome->file.empty()) {
+      ++frames_stored_;
+      publish_status();
+    }
+  }
+  if (!storage_problem_.empty() && sweep_) {
+    handle(Event::storage_failed, storage_problem_ + " (" + frames_text(frames_stored_) + " are stored)");
+  }
+  if (sweep_closing_ && writer_.pending() == 0) continue_after_sweep();
+}
+
+void Session::serve_build() {
+  if (!build_) return;
+  build_->read_errors();
+  if (const auto progress = build_->read_progress()) publish(Progress{capture_, progress->stage, progress->fraction});
+  if (const auto end = build_->end()) finish_build(*end);
+}
+
+void Session::serve_signals() {
+  signalfd_siginfo signal{};
+  while (::read(signals_.get(), &signal, sizeof signal) == sizeof signal) {
+    handle(Event::shutdown, "shutting down");
+    stopping_ = true;
+    if (run_ != Run::service) exit_status_ = 1;
+  }
+}
+
+void Session::serve_button() {
+  try {
+    while (const auto event = button_->read()) button_changed(*event);
+  } catch (const std::exception& error) {
+    log_warning(std::string("the button was lost: ") + error.what());
+    button_.reset();
+    pressed_since_ns_.reset();
+  }
+}
+
+void Session::button_changed(const ButtonEvent& event) {
+  if (event.pressed) {
+    pressed_since_ns_ = event.time_ns;
+    handle(Event::press, "the sweep was ended by the button");
+  } else {
+    pressed_since_ns_.reset();
+    handle(Event::release, "the sweep was ended by the button");
+  }
+}
+
+void Session::obey(Command command) {
+  switch (command) {
+    case Command::press:
+      return button_changed({true, monotonic_now_ns()});
+    case Command::release:
+      return button_changed({false, monotonic_now_ns()});
+    case Command::cancel:
+      return handle(Event::cancel, "cancelled by command");
+    case Command::retry:
+      return retry_failed();
+  }
+}
+
+void Session::retry_failed() {
+  if (run_ != Run::service || build_ || sweep_ || sweep_closing_) return;
+  backlog_.clear();
+  for (const CaptureState& capture : store_.recover()) {
+    if (capture.built || capture.frames < config_.min_frames) continue;
+    store_.forget_build_record(capture.name);
+    backlog_.push_back(capture.name);
+  }
+  next_tick_ns_ = 0;
+}
+
+// --- what comes and goes ---------------------------------------------------------------------------------------------
+
+void Session::open_button_again(int64_t now_ns) {
+  if (button_ || now_ns < next_button_try_ns_) return;
+  const bool first_try = next_button_try_ns_ == 0;
+  next_button_try_ns_ = now_ns + kButtonRetry_ns;
+  try {
+    button_ = open_button(config_.button);
+    if (!first_try) log_note("the button is there: " + config_.button);
+  } catch (const std::exception& error) {
+    if (first_try) log_warning(std::string(error.what()) + "; trying again every 2 s");
+  }
+}
+
+// A network may come up late. Each problem is told once.
+void Session::open_statuses_again() {
+  std::vector<PendingStatus> still_pending;
+  for (PendingStatus& pending : pending_statuses_) {
+    try {
+      statuses_.push_back(open_status(pending.url));
+    } catch (const std::exception& error) {
+      if (pending.problem != error.what()) log_warning(error.what());
+      still_pending.push_back({pending.url, error.what()});
+    }
+  }
+  pending_statuses_ = std::move(still_pending);
+}
+
+// --- what the world is told ------------------------------------------------------------------------------------------
+
+void Session::publish(const StatusMessage& message) {
+  for (const auto& status : statuses_) status->publish(message);
+}
+
+void Session::publish_status() {
+  int left = 0;
+  try {
+    left = sweeps_left();
+  } catch (const std::exception&) {
+    left = 0;  // the folder went away; the next sweep will say so
+  }
+  publish(Status{phase_, capture_, text_, frames_stored_, left});
+}
+
+void Session::say(const std::string& text) {
+  if (text == text_) return;
+  text_ = text;
+  notice_.status(std::string(name_of(phase_)) + ": " + text);
+  publish_status();
+}
+
+int Session::sweeps_left() const {
+  return store_.sweeps_left(uint64_t{static_cast<unsigned>(config_.reserve_mib)} << 20);
+}
+
+std::filesystem::path Session::capture_folder() const {
+  return run_ == Run::capture_only ? std::filesystem::path(config_.output) : store_.folder_of(capture_);
+}
+
+}  // namespace ldp

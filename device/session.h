@@ -1,0 +1,112 @@
+// The capture service: one poll loop over camera, button, status, writer, build and signals, and the state machine of
+// session_state.h between them.
+#pragma once
+
+#include <csignal>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "build_child.h"
+#include "button.h"
+#include "capture_store.h"
+#include "config.h"
+#include "frame_writer.h"
+#include "service_notice.h"
+#include "session_state.h"
+#include "status.h"
+#include "sweep.h"
+
+namespace ldp {
+
+enum class Run : uint8_t {
+  service,       // until told to stop
+  once,          // one sweep, its build, then the end
+  capture_only,  // one sweep into the output folder itself, no build
+};
+
+class Session {
+ public:
+  Session(Config config, Run run);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  // Until SIGTERM, SIGINT or the end of what was to be run once. The exit status: 0, or 1 when a single run failed.
+  int run();
+
+ private:
+  struct Watch {
+    int fd;
+    std::function<void()> serve;
+  };
+  struct PendingStatus {
+    std::string url;
+    std::string problem;
+  };
+
+  std::vector<Watch> watches();
+  int64_t next_deadline_ns() const;
+  void turn();
+  void check_deadlines(int64_t now_ns);
+
+  void handle(Event event, const std::string& why);
+  void perform(Action action, const std::string& why);
+  void begin_sweep();
+  void end_sweep(const std::string& why, bool complete);
+  void abandon_sweep();
+  void start_build();
+  void stop_build(bool cancelled);
+  void finish_build(const BuildEnd& end);
+  void continue_after_sweep();
+  void fail_build(const std::string& reason);
+  BuildCommand build_command() const;
+
+  void open_button_again(int64_t now_ns);
+  void open_statuses_again();
+  void serve_button();
+  void button_changed(const ButtonEvent& event);
+  void serve_camera();
+  void serve_writer();
+  void serve_build();
+  void serve_signals();
+  void obey(Command command);
+  void retry_failed();
+
+  void publish(const StatusMessage& message);
+  void publish_status();
+  void say(const std::string& text);
+  int sweeps_left() const;
+  std::filesystem::path capture_folder() const;
+
+  Config config_;
+  Run run_;
+  CaptureStore store_;
+  ServiceNotice notice_;
+  FrameWriter writer_;
+  std::vector<std::unique_ptr<StatusChannel>> statuses_;
+  std::vector<PendingStatus> pending_statuses_;
+  std::unique_ptr<Button> button_;
+  std::unique_ptr<Sweep> sweep_;
+  std::unique_ptr<BuildChild> build_;
+  UniqueFd signals_;
+  sigset_t signals_before_{};
+
+  Phase phase_ = Phase::idle;
+  std::string text_;     // the present one line for people
+  std::string capture_;  // name of the sweep in work
+  int frames_stored_ = 0;
+  bool sweep_closing_ = false;  // ended, its last frames are being written
+  std::string storage_problem_;
+  std::deque<std::string> backlog_;  // captures that wait to be built
+  std::optional<int64_t> pressed_since_ns_;
+  int64_t sweep_end_ns_ = 0, next_tick_ns_ = 0, next_button_try_ns_ = 0, rest_at_ns_ = 0, next_guidance_ns_ = 0;
+  bool stopping_ = false;
+  int exit_status_ = 0;
+};
+
+}  // namespace ldp
