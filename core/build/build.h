@@ -6,22 +6,22 @@
 #include <string>
 #include <vector>
 
+#include "arc.h"
 #include "frames.h"
 #include "geometry.h"
 #include "job.h"
 #include "panorama.h"
 #include "poses.h"
-#include "arc.h"
 #include "solve.h"
 
 namespace ldp {
 
 struct BuildOptions {
-  int layers = 3;       // 1 .. 8
-  int labels = 16;      // 2 .. 16
-  int iterations = 2;   // 1 .. 4; the second and later use visibility
+  int layers = 3;      // 1 .. 8
+  int labels = 16;     // 2 .. 16
+  int iterations = 2;  // 1 .. 4; the second and later use visibility
   Rays rays = Rays::pushbroom;
-  int block_px = 16;    // of the depth codes; 0 = uniform codes
+  int block_px = 16;  // of the depth codes; 0 = uniform codes
   size_t memory_bytes = size_t{128} << 20;
   PosesOptions poses;
   std::vector<Camera> cameras;  // empty = estimate
@@ -38,7 +38,7 @@ struct BuildReport {
   std::vector<SolveEntry> solves;
   PosesReport poses;
   ArcFit arc;
-  std::vector<double> coverage;  // share of present pixels per layer
+  std::vector<double> coverage;    // share of present pixels per layer
   std::vector<std::string> notes;  // one line each, e.g. "no parallax was found: one far layer"
 };
 

@@ -1,0 +1,255 @@
+#include "build.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "arc.h"
+#include "colour.h"
+#include "debug_pictures.h"
+#include "layers.h"
+#include "rectify.h"
+#include "sweep.h"
+
+namespace ldp {
+namespace {
+
+void require(bool sound, const std::string& field, int value, const std::string& bounds) {
+  if (!sound) throw std::logic_error("BuildOptions: " + field + " is " + std::to_string(value) + ", must be " + bounds);
+}
+
+void check(const BuildOptions& options) {
+  require(options.layers >= 1 && options.layers <= 8, "layers", options.layers, "1 .. 8");
+  require(options.labels >= 2 && options.labels <= kLabels, "labels", options.labels, "2 .. 16");
+  require(options.iterations >= 1 && options.iterations <= 4, "iterations", options.iterations, "1 .. 4");
+  require(options.block_px >= 0, "block_px", options.block_px, "0 or more");
+}
+
+// Adds the time since its making, or since the last lap, to a stage of the report.
+class Stopwatch {
+ public:
+  explicit Stopwatch(BuildReport& report) : report_(report) {}
+  void lap(const std::string& stage) {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    for (auto& [name, sum] : report_.seconds)
+      if (name == stage) {
+        sum += seconds;
+        return;
+      }
+    report_.seconds.emplace_back(stage, seconds);
+  }
+
+ private:
+  BuildReport& report_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+// What a build knows so far. Disparity maps stand for layers until their colours are fetched.
+class Build {
+ public:
+  Build(const FrameSource& frames, const BuildOptions& options, const Job& job)
+      : frames_(frames), options_(options), job_(job), watch_(report_), pictures_(options.debug_directory) {}
+
+  BuildResult run() {
+    find_cameras();
+    lay_out();
+    if (poses_.report.motion == Motion::rotation) {
+      one_far_layer();
+    } else {
+      for (int iteration = 1; iteration <= options_.iterations; ++iteration) find_layers(iteration);
+    }
+    choose_photographs();
+    return assemble();
+  }
+
+ private:
+  void find_cameras() {
+    poses_ = options_.cameras.empty() ? estimate_poses(frames_, options_.poses, job_)
+                                      : triangulate(frames_, options_.cameras, options_.poses, job_);
+    watch_.lap("poses");
+  }
+
+  void lay_out() {
+    report_.arc = fit_arc(poses_.cameras, {});
+    GridOptions grid;
+    grid.rays = options_.rays;
+    grid_ = lay_grid(report_.arc.arc, poses_.cameras, poses_.points, grid);
+    watch_.lap("arc");
+    upright_ = rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, grid_.arc, job_);
+    watch_.lap("rectify");
+  }
+
+  void one_far_layer() {
+    report_.notes.push_back("no parallax was found: one far layer");
+    grid_.w_near = grid_.w_far = 0;
+    layers_.assign(1, DisparityMap(grid_.width, grid_.height, 0));
+  }
+
+  // Front to back; what earlier iterations found hides voxels from cameras (paper 3.3.4).
+  void find_layers(int iteration) {
+    std::vector<DisparityMap> found;
+    for (int index = 0; index < options_.layers; ++index) {
+      const std::string name = "layer " + std::to_string(index + 1) + " iteration " + std::to_string(iteration);
+      job_.report(name, 0);
+      DisparityMap layer = index == 0 ? front_layer(name) : layer_behind(found, name);
+      if (layer.empty()) break;
+      pictures_.disparity(name, layer);
+      found.push_back(std::move(layer));
+    }
+    layers_ = std::move(found);
+  }
+
+  DisparityMap front_layer(const std::string& name) {
+    const std::vector<VisibilityMap> maps = visibility_of(layers_);
+    const Sweep sweep(upright_, grid_, maps, DisparityMap(), sweep_options());
+    const Plane<uint8_t> labels = solve(sweep, Plane<uint8_t>(), name);
+    DisparityMap disparity = refine(sweep, labels, job_);
+    watch_.lap("refine");
+    return disparity;
+  }
+
+  // Empty when no camera sees anything behind the layers found so far.
+  DisparityMap layer_behind(const std::vector<DisparityMap>& found, const std::string& name) {
+    const std::vector<VisibilityMap> maps = visibility_of(found);
+    DisparityMap surface = deepest(found);
+    const Plane<uint8_t> want = wanted_behind(grid_, surface, upright_, maps, {}, job_);
+    pictures_.labels("wanted " + name, want, 2);
+    watch_.lap("visibility");
+    if (std::none_of(want.samples.begin(), want.samples.end(), [](uint8_t w) { return w == kWanted; })) return {};
+    const Sweep sweep(upright_, grid_, maps, surface, sweep_options());
+    const BoundaryCosts costs(sweep, want, surface);
+    const Plane<uint8_t> labels = solve(costs, want, name);
+    DisparityMap layer = refine(sweep, labels, job_);
+    for (size_t i = 0; i < layer.samples.size(); ++i) {
+      const bool behind = layer.samples[i] + kLabelSteps / 2 < surface.samples[i];
+      if (want.samples[i] != kWanted || !behind) layer.samples[i] = kNoDisparity;
+    }
+    watch_.lap("refine");
+    drop_unseen(grid_, upright_, maps, job_, layer);
+    watch_.lap("visibility");
+    return layer;
+  }
+
+  std::vector<VisibilityMap> visibility_of(const std::vector<DisparityMap>& layers) {
+    if (layers.empty()) return {};
+    std::vector<const DisparityMap*> pointers;
+    for (const DisparityMap& layer : layers) pointers.push_back(&layer);
+    std::vector<VisibilityMap> maps = visibility(grid_, pointers, upright_, {}, job_);
+    watch_.lap("visibility");
+    return maps;
+  }
+
+  static DisparityMap deepest(const std::vector<DisparityMap>& found) {
+    DisparityMap surface = found[0];
+    for (size_t k = 1; k < found.size(); ++k)
+      for (size_t i = 0; i < surface.samples.size(); ++i)
+        if (found[k].samples[i] != kNoDisparity) surface.samples[i] = found[k].samples[i];
+    return surface;
+  }
+
+  SweepOptions sweep_options() const {
+    SweepOptions sweep;
+    sweep.labels = options_.labels;
+    return sweep;
+  }
+
+  Plane<uint8_t> solve(const CostSource& costs, const Plane<uint8_t>& mask, const std::string& name) {
+    Labelling labelling = solve_depth(costs, mask, {}, job_);
+    report_.solves.push_back({"depth " + name, labelling.report});
+    pictures_.labels("labels " + name, labelling.labels, options_.labels - 1);
+    watch_.lap("solve");
+    return std::move(labelling.labels);
+  }
+
+  void choose_photographs() {
+    const std::vector<VisibilityMap> maps = grid_.w_near > 0 ? visibility_of(layers_) : std::vector<VisibilityMap>();
+    pictures_.visibility("visibility", maps);
+    for (size_t k = 0; k < layers_.size(); ++k) {
+      const SourceCandidates candidates(grid_, layers_[k], upright_, maps, {});
+      Labelling labelling = solve_colour(candidates, {}, job_);
+      const std::string name = "colour layer " + std::to_string(k + 1);
+      report_.solves.push_back({name, labelling.report});
+      pictures_.sources("sources layer " + std::to_string(k + 1), labelling.labels);
+      if (k > 0) drop_colourless(labelling.labels, layers_[k]);
+      sources_.push_back(std::move(labelling.labels));
+    }
+    watch_.lap("colour cut");
+  }
+
+  static void drop_colourless(const Plane<uint8_t>& source, DisparityMap& layer) {
+    for (size_t i = 0; i < layer.samples.size(); ++i)
+      if (source.samples[i] == kNoSource) layer.samples[i] = kNoDisparity;
+  }
+
+  BuildResult assemble() {
+    BuildResult result;
+    LayeredPanorama& panorama = result.panorama;
+    panorama.grid = grid_;
+    panorama.cameras = poses_.cameras;
+    panorama.limits = viewing_limits();
+    for (const DisparityMap& layer : layers_) panorama.layers.push_back(coded(layer));
+    fetch(panorama.layers);
+    for (size_t k = 0; k < layers_.size(); ++k) {
+      const auto present =
+          std::count(panorama.layers[k].coverage.samples.begin(), panorama.layers[k].coverage.samples.end(), 1);
+      report_.coverage.push_back(static_cast<double>(present) / static_cast<double>(layers_[k].samples.size()));
+      pictures_.colour("colour layer " + std::to_string(k + 1), panorama.layers[k].colour);
+    }
+    report_.poses = poses_.report;
+    result.report = std::move(report_);
+    return result;
+  }
+
+  Layer coded(const DisparityMap& disparity) const {
+    Layer layer;
+    layer.depth = encode_depth(disparity, options_.block_px);
+    layer.coverage = Plane<uint8_t>(grid_.width, grid_.height, 0);
+    for (size_t i = 0; i < disparity.samples.size(); ++i)
+      layer.coverage.samples[i] = disparity.samples[i] != kNoDisparity;
+    layer.colour = RgbImage(grid_.width, grid_.height);
+    return layer;
+  }
+
+  void fetch(std::vector<Layer>& layers) {
+    Photographs photographs{frames_, poses_.cameras, poses_.frame_of_camera, {}};
+    for (const UprightFrame& frame : upright_) photographs.gains.push_back(frame.gain);
+    std::vector<ColourTask> tasks;
+    for (size_t k = 0; k < layers.size(); ++k) tasks.push_back({&layers_[k], &sources_[k], &layers[k].colour});
+    fetch_colours(grid_, photographs, tasks, {}, job_);
+    watch_.lap("colour");
+  }
+
+  // The cameras' own spread about the arc, and a margin of half the radius, within which holes stay small.
+  ViewingLimits viewing_limits() const {
+    const Arc& arc = grid_.arc;
+    double height = 0;
+    for (const Camera& camera : poses_.cameras)
+      height = std::max(height, std::abs((camera.pose.centre - arc.centre).dot(arc.axis())));
+    return {0.5 * arc.radius, 1.25 * arc.radius, height + 0.1 * arc.radius};
+  }
+
+  const FrameSource& frames_;
+  const BuildOptions& options_;
+  const Job& job_;
+  BuildReport report_;
+  Stopwatch watch_;
+  DebugPictures pictures_;
+  Poses poses_;
+  PanoramaGrid grid_;
+  std::vector<UprightFrame> upright_;
+  std::vector<DisparityMap> layers_;
+  std::vector<Plane<uint8_t>> sources_;
+};
+
+}  // namespace
+
+BuildResult build(const FrameSource& frames, const BuildOptions& options, const Job& job) {
+  check(options);
+  return Build(frames, options, job).run();
+}
+
+}  // namespace ldp
