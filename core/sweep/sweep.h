@@ -10,6 +10,7 @@
 #include "cost_source.h"
 #include "disparity.h"
 #include "geometry.h"
+#include "job.h"
 #include "upright.h"
 #include "visibility.h"
 
@@ -34,13 +35,17 @@ class Sweep final : public CostSource {
   bool wraps() const override;
   void read(const Window& window, uint8_t* cost, uint8_t* median) const override;
 
+  // See the free function.
+  DisparityMap refine(const Plane<uint8_t>& labels, const Job& job) const;
+
  private:
+  void forbid_front(const Window& window, uint8_t* cost) const;
   struct Tables;
   std::unique_ptr<Tables> tables_;
 };
 
 // Disparity to sub-label precision: for every pixel of `labels`, the best of the fine steps inside its label's interval
 // (and up to half an interval into its neighbours' where the cost is lower), smoothed where the image gives no evidence.
-DisparityMap refine(const Sweep& sweep, const Plane<uint8_t>& labels, const struct Job& job);
+DisparityMap refine(const Sweep& sweep, const Plane<uint8_t>& labels, const Job& job);
 
 }  // namespace ldp

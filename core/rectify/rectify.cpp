@@ -1,0 +1,122 @@
+#include "rectify.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "exposure.h"
+#include "resample.h"
+
+namespace ldp {
+namespace {
+
+constexpr int kStrip = 32;  // columns resampled between two looks at the job
+constexpr std::array<double, 3> kLuma = {0.299, 0.587, 0.114};
+
+RgbImage load_checked(const FrameSource& frames, int index, const Camera& camera) {
+  RgbImage photo = frames.load(index);
+  if (photo.width != camera.intrinsics.width || photo.height != camera.intrinsics.height) {
+    throw std::runtime_error("photo '" + camera.name + "' has " + std::to_string(photo.width) + "x" + std::to_string(photo.height) +
+                             " pixels, its camera " + std::to_string(camera.intrinsics.width) + "x" +
+                             std::to_string(camera.intrinsics.height) + ": all photos of a capture need the size given for them");
+  }
+  return photo;
+}
+
+using GainTable = std::array<uint16_t, 256>;
+
+GainTable gain_table(float gain, double weight) {
+  GainTable table{};
+  for (int value = 0; value < 256; ++value) {
+    const double scaled = value * static_cast<double>(gain) * weight * kSampleScale;
+    table[static_cast<size_t>(value)] = static_cast<uint16_t>(std::min(scaled + 0.5, weight * 255 * kSampleScale));
+  }
+  return table;
+}
+
+Plane<uint16_t> weighted_grey(const RgbImage& photo, const Gain& gain) {
+  const GainTable r = gain_table(gain[0], kLuma[0]), g = gain_table(gain[1], kLuma[1]), b = gain_table(gain[2], kLuma[2]);
+  Plane<uint16_t> grey(photo.width, photo.height);
+  for (size_t i = 0; i < photo.samples.size(); ++i) {
+    const Rgb p = photo.samples[i];
+    grey.samples[i] = static_cast<uint16_t>(r[p.r] + g[p.g] + b[p.b]);
+  }
+  return grey;
+}
+
+Plane<uint16_t> channel(const RgbImage& photo, uint8_t Rgb::*member, float gain) {
+  const GainTable table = gain_table(gain, 1);
+  Plane<uint16_t> plane(photo.width, photo.height);
+  for (size_t i = 0; i < photo.samples.size(); ++i) plane.samples[i] = table[photo.samples[i].*member];
+  return plane;
+}
+
+// Resamples one column and finds its longest run of rows inside the photo.
+void fill_column(const Plane<uint16_t>& grey, const ColumnMap& map, int column, UprightFrame& frame) {
+  uint8_t* out = frame.columns.row(column);
+  int begin = 0, best_begin = 0, best_end = 0;
+  for (int y = 0; y < frame.camera.height; ++y) {
+    const SourcePosition position = map.at(y);
+    out[y] = interpolate(grey, position);
+    if (!position.inside) begin = y + 1;
+    if (y + 1 - begin > best_end - best_begin) {
+      best_begin = begin;
+      best_end = y + 1;
+    }
+  }
+  frame.valid_begin[static_cast<size_t>(column)] = static_cast<int16_t>(best_begin);
+  frame.valid_end[static_cast<size_t>(column)] = static_cast<int16_t>(best_end);
+}
+
+UprightFrame make_upright(const RgbImage& photo, const Camera& camera, const UprightCamera& upright, const Gain& gain, const Job& job) {
+  UprightFrame frame;
+  frame.camera = upright;
+  frame.gain = gain;
+  frame.columns = GreyImage(upright.height, upright.width);
+  frame.valid_begin.resize(static_cast<size_t>(upright.width));
+  frame.valid_end.resize(static_cast<size_t>(upright.width));
+  const Plane<uint16_t> grey = weighted_grey(photo, gain);
+  parallel_for(job, (upright.width + kStrip - 1) / kStrip, [&](int strip) {
+    const int end = std::min(upright.width, (strip + 1) * kStrip);
+    for (int x = strip * kStrip; x < end; ++x) fill_column(grey, ColumnMap(camera, upright, x), x, frame);
+  });
+  return frame;
+}
+
+}  // namespace
+
+std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<Camera>& cameras, const std::vector<int>& frame_of_camera,
+                                  const std::vector<ScenePoint>& points, const Arc& arc, const Job& job) {
+  if (cameras.size() != frame_of_camera.size()) throw std::logic_error("rectify: one frame index per camera is needed");
+  const size_t n = cameras.size();
+  std::vector<Thumbnail> thumbnails;
+  for (size_t i = 0; i < n; ++i) {
+    job.report("exposure", static_cast<double>(i) / static_cast<double>(n));
+    thumbnails.push_back(make_thumbnail(load_checked(frames, frame_of_camera[i], cameras[i])));
+  }
+  const auto gains = exposure_gains(cameras, thumbnails, points);
+  std::vector<UprightFrame> upright;
+  for (size_t i = 0; i < n; ++i) {
+    job.report("rectify", static_cast<double>(i) / static_cast<double>(n));
+    const RgbImage photo = load_checked(frames, frame_of_camera[i], cameras[i]);
+    upright.push_back(make_upright(photo, cameras[i], upright_camera(cameras[i], arc.axis(), frame_of_camera[i]), gains[i], job));
+  }
+  return upright;
+}
+
+RgbImage upright_colour(const FrameSource& frames, const Camera& camera, const UprightFrame& frame) {
+  const UprightCamera& upright = frame.camera;
+  const RgbImage photo = load_checked(frames, upright.source, camera);
+  RgbImage colour(upright.width, upright.height);
+  constexpr std::array<uint8_t Rgb::*, 3> kChannels = {&Rgb::r, &Rgb::g, &Rgb::b};
+  for (size_t c = 0; c < 3; ++c) {
+    const Plane<uint16_t> plane = channel(photo, kChannels[c], frame.gain[c]);
+    for (int x = 0; x < upright.width; ++x) {
+      const ColumnMap map(camera, upright, x);
+      for (int y = 0; y < upright.height; ++y) colour.at(x, y).*kChannels[c] = interpolate(plane, map.at(y));
+    }
+  }
+  return colour;
+}
+
+}  // namespace ldp

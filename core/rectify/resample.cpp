@@ -1,0 +1,123 @@
+#include "resample.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "exact_math.h"
+#include "rectify.h"
+
+namespace ldp {
+namespace {
+
+constexpr int kOutlineSteps = 32;  // points per side by which a photo's outline is followed
+
+Eigen::Vector3d horizontal_forward(const Camera& camera, const Eigen::Vector3d& axis) {
+  const Eigen::Vector3d forward = camera.pose.world_from_camera.col(2);
+  const Eigen::Vector3d level = forward - exact_dot(forward, axis) * axis;
+  const double length = std::sqrt(exact_dot(level, level));
+  if (length < 0.2) {
+    throw std::runtime_error("photo '" + camera.name + "' looks straight up or down: leave it out of the capture");
+  }
+  return level / length;
+}
+
+struct Bounds {
+  double low = 0, high = 0;
+  void include(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+};
+
+// Tangents (right and down) spanned by the photo's outline; each within kMaxUprightTangent.
+std::array<Bounds, 2> outline(const Camera& camera, const UprightCamera& upright, const Eigen::Vector3d& axis) {
+  std::array<Bounds, 2> bounds;
+  const Intrinsics& k = camera.intrinsics;
+  const auto include = [&](double x_px, double y_px) {
+    const Eigen::Vector3d d = exact_product(camera.pose.world_from_camera, unproject(k, {x_px, y_px}));
+    const double z = std::max(exact_dot(d, upright.forward), 1e-6);
+    bounds[0].include(std::clamp(exact_dot(d, upright.right) / z, -kMaxUprightTangent, kMaxUprightTangent));
+    bounds[1].include(std::clamp(-exact_dot(d, axis) / z, -kMaxUprightTangent, kMaxUprightTangent));
+  };
+  for (int i = 0; i <= kOutlineSteps; ++i) {
+    const double x = k.width * static_cast<double>(i) / kOutlineSteps, y = k.height * static_cast<double>(i) / kOutlineSteps;
+    include(x, 0);
+    include(x, k.height);
+    include(0, y);
+    include(k.width, y);
+  }
+  return bounds;
+}
+
+// Catmull-Rom weights in 1/128 for each 1/256 of a pixel; they sum to 128.
+std::array<std::array<int16_t, 4>, 256> catmull_rom() {
+  std::array<std::array<int16_t, 4>, 256> table{};
+  for (size_t i = 0; i < 256; ++i) {
+    const double t = static_cast<double>(i) / 256, t2 = t * t, t3 = t2 * t;
+    const double w[4] = {(-t3 + 2 * t2 - t) / 2, (3 * t3 - 5 * t2 + 2) / 2, (-3 * t3 + 4 * t2 + t) / 2, (t3 - t2) / 2};
+    int sum = 0;
+    for (size_t k = 0; k < 4; ++k) sum += table[i][k] = static_cast<int16_t>(std::floor(128 * w[k] + 0.5));
+    int16_t& largest = table[i][i < 128 ? 1 : 2];
+    largest = static_cast<int16_t>(largest + 128 - sum);
+  }
+  return table;
+}
+
+}  // namespace
+
+UprightCamera upright_camera(const Camera& camera, const Eigen::Vector3d& axis, int source) {
+  UprightCamera upright;
+  upright.centre = camera.pose.centre;
+  upright.forward = horizontal_forward(camera, axis);
+  upright.right = upright.forward.cross(axis);
+  upright.focal = (camera.intrinsics.fx + camera.intrinsics.fy) / 2;
+  upright.source = source;
+  const auto [across, down] = outline(camera, upright, axis);
+  upright.cx = std::ceil(-across.low * upright.focal);
+  upright.cy = std::ceil(-down.low * upright.focal);
+  upright.width = static_cast<int>(upright.cx + std::ceil(across.high * upright.focal));
+  upright.height = static_cast<int>(upright.cy + std::ceil(down.high * upright.focal));
+  return upright;
+}
+
+ColumnMap::ColumnMap(const Camera& camera, const UprightCamera& upright, int column) : intrinsics_(camera.intrinsics) {
+  const Eigen::Vector3d down = upright.forward.cross(upright.right);
+  const Eigen::Matrix3d& world_from_camera = camera.pose.world_from_camera;
+  const double across = (column + 0.5 - upright.cx) / upright.focal, first_row = (0.5 - upright.cy) / upright.focal;
+  first_ = exact_transposed_product(world_from_camera, upright.forward + across * upright.right + first_row * down);
+  step_ = exact_transposed_product(world_from_camera, down / upright.focal);
+}
+
+SourcePosition ColumnMap::at(int row) const {
+  const Eigen::Vector3d d = first_ + static_cast<double>(row) * step_;
+  if (d.z() <= 1e-3) return {};
+  const Eigen::Vector2d position = project(intrinsics_, d);
+  const double right_q8 = (intrinsics_.width - 1) * 256.0, bottom_q8 = (intrinsics_.height - 1) * 256.0;
+  const double x = std::floor((position.x() - 0.5) * 256 + 0.5), y = std::floor((position.y() - 0.5) * 256 + 0.5);
+  const bool inside = x >= 0 && y >= 0 && x <= right_q8 && y <= bottom_q8;
+  return {static_cast<int>(std::clamp(x, 0.0, right_q8)), static_cast<int>(std::clamp(y, 0.0, bottom_q8)), inside};
+}
+
+uint8_t interpolate(const Plane<uint16_t>& plane, const SourcePosition& position) {
+  static const auto kWeights = catmull_rom();
+  const int16_t* wx = kWeights[static_cast<size_t>(position.x_q8 & 255)].data();
+  const int16_t* wy = kWeights[static_cast<size_t>(position.y_q8 & 255)].data();
+  const int x0 = (position.x_q8 >> 8) - 1, y0 = (position.y_q8 >> 8) - 1;
+  int sum = 0;
+  for (int j = 0; j < 4; ++j) {
+    const uint16_t* row = plane.row(std::clamp(y0 + j, 0, plane.height - 1));
+    int across = 0;
+    if (x0 >= 0 && x0 + 3 < plane.width) {
+      for (int i = 0; i < 4; ++i) across += wx[i] * row[x0 + i];
+    } else {
+      for (int i = 0; i < 4; ++i) across += wx[i] * row[std::clamp(x0 + i, 0, plane.width - 1)];
+    }
+    sum += wy[j] * across;  // at most 255 * kSampleScale * 160 * 160 < 2^31
+  }
+  constexpr int kShift = 7 + 7 + 6;
+  return static_cast<uint8_t>(std::clamp((sum + (1 << (kShift - 1))) >> kShift, 0, 255));
+}
+
+}  // namespace ldp

@@ -1,0 +1,37 @@
+// Where the samples of an upright image lie in its photograph, and their interpolation in integers.
+#pragma once
+
+#include <cstdint>
+
+#include "geometry.h"
+#include "plane.h"
+#include "upright.h"
+
+namespace ldp {
+
+// The upright camera of a photograph: same centre, mean focal length, image plane parallel to `axis`, just large enough.
+UprightCamera upright_camera(const Camera& camera, const Eigen::Vector3d& axis, int source);
+
+// A position in the photograph in 1/256 pixel, relative to the centre of its first pixel.
+struct SourcePosition {
+  int x_q8 = 0, y_q8 = 0;
+  bool inside = false;  // on or between pixel centres; otherwise x and y are clamped to them
+};
+
+// Maps samples of one upright column to the photograph.
+class ColumnMap {
+ public:
+  ColumnMap(const Camera& camera, const UprightCamera& upright, int column);
+  SourcePosition at(int row) const;
+
+ private:
+  const Intrinsics& intrinsics_;
+  Eigen::Vector3d first_, step_;  // direction of row 0 in camera axes, and its change per row
+};
+
+// Catmull-Rom interpolation of a plane of `scale` times 8-bit values, at one of its positions; clamped to 0..255.
+// Borders repeat.
+uint8_t interpolate(const Plane<uint16_t>& plane, const SourcePosition& position);
+constexpr int kSampleScale = 64;
+
+}  // namespace ldp

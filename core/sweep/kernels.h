@@ -1,0 +1,52 @@
+// The sweep's inner loops: integers only, nothing allocated, one loop nest each. Lanes run over rows (v).
+//
+// Buffers may be read and written up to kPadding elements past `count`; what is written there is meaningless. Image
+// columns (left, right, surface) are not read past their end. Nothing needs to be aligned.
+#pragma once
+
+#include <cstdint>
+
+namespace ldp::kernels {
+
+constexpr int kPadding = 64;
+constexpr int kMaxViews = 8;       // cameras whose samples are compared at a voxel
+constexpr int kWeightBits = 6;     // of linear interpolation
+constexpr int kWeightOne = 1 << kWeightBits;
+
+// out[i] = (left[i] (64 - weight) + right[i] weight + 32) >> 6.
+void blend_columns(const uint8_t* left, const uint8_t* right, int weight, int count, uint8_t* out);
+
+// Linear interpolation of a column at rows (row_q16 + i step_q16) / 65536 >= 0:
+// out[i] = (column[r] (64 - f) + column[r + 1] f + 32) >> 6 with r the row's integer part, f the first 6 bits of the rest.
+// 0 < step_q16. The column may be read kPadding past the last row needed.
+void resample_rows(const uint8_t* column, int64_t row_q16, int32_t step_q16, int count, uint8_t* out);
+
+// mask[i] = 255 where surface[(row_q16 + i step_q16) / (65536 shrink)] <= limit, else 0.
+void test_visibility(const uint16_t* surface, int64_t row_q16, int32_t step_q16, int shrink, int limit, int count, uint8_t* mask);
+
+// Median and robust variance over `views` samples (2 .. kMaxViews) of each row. With s sorted and n = views:
+//   median = (s[(n-1)/2] + s[n/2] + 1) >> 1,  d = sorted |s - median|,  phi = min(255, 2 (d[(n-1)/2] + d[n/2])),
+// that is, phi is the median absolute deviation in 1/4 grey level.
+void robust_variance(const uint8_t* const* samples, int views, int count, uint8_t* phi, uint8_t* median);
+
+// The same over the samples whose mask is 255; where fewer than two are left, phi = prior and the median is the one
+// sample, or 128. 1 <= views <= kMaxViews.
+void masked_robust_variance(const uint8_t* const* samples, const uint8_t* const* masks, int views, int prior, int count, uint8_t* phi,
+                            uint8_t* median);
+
+// out[i] = in[i] + in[i + 1] + ... + in[i + 4].
+void sum5(const uint8_t* in, int count, uint16_t* out);
+
+// total[i] += entering[i] - leaving[i].
+void slide(const uint16_t* entering, const uint16_t* leaving, int count, uint16_t* total);
+
+// out[i] = min(in[i], in[i + 1], in[i + 2]); values below 2^15.
+void min3_rows(const uint16_t* in, int count, uint16_t* out);
+
+// out[i] = min(a[i], b[i], c[i]); values below 2^15.
+void min3_columns(const uint16_t* a, const uint16_t* b, const uint16_t* c, int count, uint16_t* out);
+
+// Where sum[i] / 25 < best[i] (or `first`): best[i] = sum[i] / 25, best_median[i] = median[i].
+void keep_best(const uint16_t* sum, const uint8_t* median, bool first, int count, uint8_t* best, uint8_t* best_median);
+
+}  // namespace ldp::kernels

@@ -1,0 +1,123 @@
+#include "slab.h"
+
+#include <algorithm>
+
+namespace ldp {
+namespace {
+
+// The rows of one column of voxels and the cameras that see them.
+class Column {
+ public:
+  Column(const Lines& lines, int y_begin, int y_end, int prior_cost, SlabScratch& scratch)
+      : lines_(lines), y_begin_(y_begin), y_end_(y_end), prior_cost_(prior_cost), scratch_(scratch) {}
+
+  void compute(uint8_t* phi, uint8_t* median) {
+    for (int k = 0; k < lines_.count; ++k) sample(k);
+    for (int y = y_begin_; y < y_end_;) {
+      const int end = segment_end(y);
+      vary(y, end, phi + (y - y_begin_), median + (y - y_begin_));
+      y = end;
+    }
+  }
+
+ private:
+  const Line& line(int k) const { return lines_.line[static_cast<size_t>(k)]; }
+  bool sees(const Line& l, int y) const { return y >= l.y_begin && y < l.y_end; }
+
+  void sample(int k) {
+    const Line& l = line(k);
+    const int count = l.y_end - l.y_begin;
+    const int64_t first_q16 = l.row_q16 + static_cast<int64_t>(l.step_q16) * l.y_begin;
+    const auto first = static_cast<int>(first_q16 >> 16);
+    const auto last = static_cast<int>((first_q16 + static_cast<int64_t>(l.step_q16) * (count - 1)) >> 16) + 1;
+    uint8_t* out = scratch_.samples[k].data() + (l.y_begin - y_begin_);
+    kernels::blend_columns(l.left + first, l.right + first, l.weight, last - first + 1, scratch_.blended.data());
+    kernels::resample_rows(scratch_.blended.data(), first_q16 & 0xFFFF, l.step_q16, count, out);
+    if (l.surface) {
+      uint8_t* mask = scratch_.masks[k].data() + (l.y_begin - y_begin_);
+      kernels::test_visibility(l.surface, first_q16, l.step_q16, l.surface_shrink, l.surface_limit, count, mask);
+      masked_ = true;
+    }
+  }
+
+  // The rows from y on that the same cameras see.
+  int segment_end(int y) const {
+    int end = y_end_;
+    for (int k = 0; k < lines_.count; ++k) {
+      if (line(k).y_begin > y) end = std::min(end, line(k).y_begin);
+      if (line(k).y_end > y) end = std::min(end, line(k).y_end);
+    }
+    return end;
+  }
+
+  void vary(int y, int end, uint8_t* phi, uint8_t* median) {
+    const uint8_t* samples[kernels::kMaxViews];
+    const uint8_t* masks[kernels::kMaxViews];
+    int views = 0;
+    for (int k = 0; k < lines_.count; ++k) {
+      if (!sees(line(k), y)) continue;
+      samples[views] = scratch_.samples[k].data() + (y - y_begin_);
+      masks[views++] = scratch_.masks[k].data() + (y - y_begin_);
+    }
+    const int count = end - y;
+    if (views > 0 && masked_) return kernels::masked_robust_variance(samples, masks, views, prior_cost_, count, phi, median);
+    if (views > 1) return kernels::robust_variance(samples, views, count, phi, median);
+    std::fill(phi, phi + count, static_cast<uint8_t>(prior_cost_));
+    if (views == 1) std::copy(samples[0], samples[0] + count, median);
+    else std::fill(median, median + count, uint8_t{128});
+  }
+
+  const Lines& lines_;
+  int y_begin_, y_end_, prior_cost_;
+  SlabScratch& scratch_;
+  bool masked_ = false;
+};
+
+template <typename T>
+void grow(std::vector<T>& buffer, int size) {
+  const auto wanted = static_cast<size_t>(size + kernels::kPadding);
+  if (buffer.size() < wanted) buffer.resize(wanted);
+}
+
+}  // namespace
+
+SlabScratch::SlabScratch() = default;
+
+void SlabScratch::reserve(int height, int longest_column) {
+  const int rows = height + 2 * kHalo;
+  grow(blended, longest_column);
+  for (auto& buffer : samples) grow(buffer, rows);
+  for (auto& buffer : masks) grow(buffer, rows);
+  for (auto& buffer : medians) grow(buffer, rows);
+  for (auto& buffer : sums) grow(buffer, rows);
+  for (auto& buffer : lowest) grow(buffer, rows);
+  grow(phi, rows);
+  grow(total, rows);
+  grow(cost, rows);
+}
+
+void sweep_slab(const LineTable& lines, double inverse_depth, const Window& window, int prior_cost, SlabScratch& scratch, SlabSink& sink) {
+  const int y_begin = window.y - kHalo, y_end = window.y + window.height + kHalo;
+  const int boxes = window.height + 2;  // rows whose box is needed
+  std::fill(scratch.total.begin(), scratch.total.end(), uint16_t{0});
+  for (auto& sums : scratch.sums) std::fill(sums.begin(), sums.end(), uint16_t{0});
+  Lines found;
+  for (int i = 0; i < window.width + 2 * kHalo; ++i) {
+    lines.find(window.x - kHalo + i, inverse_depth, y_begin, y_end, found);
+    Column(found, y_begin, y_end, prior_cost, scratch).compute(scratch.phi.data(), scratch.medians[i % (kHalo + 1)].data());
+    uint16_t* leaving = scratch.sums[i % 5].data();
+    uint16_t* total = scratch.total.data();
+    // The sums that leave make room for those that enter.
+    uint16_t* entering = scratch.cost.data();
+    kernels::sum5(scratch.phi.data(), boxes, entering);
+    kernels::slide(entering, leaving, boxes, total);
+    std::copy(entering, entering + boxes, leaving);
+    if (i < 4) continue;
+    kernels::min3_rows(total, window.height, scratch.lowest[i % 3].data());
+    if (i < 2 * kHalo) continue;
+    kernels::min3_columns(scratch.lowest[0].data(), scratch.lowest[1].data(), scratch.lowest[2].data(), window.height, scratch.cost.data());
+    sink.column(i - 2 * kHalo, scratch.cost.data(), scratch.medians[(i + 1) % (kHalo + 1)].data() + kHalo);
+  }
+}
+
+}  // namespace ldp

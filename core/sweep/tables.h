@@ -1,0 +1,37 @@
+// What a Sweep keeps between calls.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "lines.h"
+#include "slab.h"
+#include "sweep.h"
+
+namespace ldp {
+
+// Buffers of one thread inside read or refine.
+struct SweepScratch {
+  SlabScratch slab;
+  std::vector<uint8_t> best, best_median;
+};
+
+struct Sweep::Tables {
+  const std::vector<UprightFrame>& frames;
+  PanoramaGrid grid;
+  const DisparityMap& behind;
+  SweepOptions options;
+  LineTable lines;
+  int longest_column = 0;
+
+  std::mutex mutex;
+  std::vector<std::unique_ptr<SweepScratch>> idle;  // scratch that no thread uses now
+
+  std::unique_ptr<SweepScratch> take_scratch();
+  void give_back(std::unique_ptr<SweepScratch> scratch);
+
+  double disparity(double label) const { return label * kDisparitySteps / (options.labels - 1); }
+};
+
+}  // namespace ldp
