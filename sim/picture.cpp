@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3f;
 
 constexpr int kBandRows = 16;
-constexpr float kEdgeContrast = 0.03F;  // in gamma-coded light, 0 .. 1
+constexpr float kEdgeContrast = 0.05F;  // in gamma-coded light, 0 .. 1
 
 struct Sample {
   Vector3f colour = Vector3f::Zero();
@@ -50,8 +50,7 @@ class Eye {
 
 float gamma_of(float linear) { return std::sqrt(std::clamp(linear, 0.0F, 1.0F)); }
 
-bool disagree(const Sample& a, const Sample& b) {
-  if (a.object != b.object) return true;
+bool contrast(const Sample& a, const Sample& b) {
   for (int i = 0; i < 3; ++i) {
     if (std::abs(gamma_of(a.colour[i]) - gamma_of(b.colour[i])) > kEdgeContrast) return true;
   }
@@ -63,17 +62,25 @@ struct Band {
   int y0 = 0, y1 = 0, width = 0;
   std::vector<Sample> centres, corners;
 
-  const Sample& centre(int x, int y) const { return centres[static_cast<size_t>(y - y0) * static_cast<size_t>(width) + static_cast<size_t>(x)]; }
-  const Sample& corner(int x, int y) const { return corners[static_cast<size_t>(y - y0) * static_cast<size_t>(width + 1) + static_cast<size_t>(x)]; }
+  const Sample& centre(int x, int y) const {
+    return centres[static_cast<size_t>(y - y0) * static_cast<size_t>(width) + static_cast<size_t>(x)];
+  }
+  const Sample& corner(int x, int y) const {
+    return corners[static_cast<size_t>(y - y0) * static_cast<size_t>(width + 1) + static_cast<size_t>(x)];
+  }
 
-  bool has_edge(int x, int y) const {
+  // 0 = smooth, 1 = a contrast within one surface, 2 = an object's edge.
+  uint8_t edge(int x, int y) const {
     const Sample& middle = centre(x, y);
-    return disagree(middle, corner(x, y)) || disagree(middle, corner(x + 1, y)) || disagree(middle, corner(x, y + 1)) ||
-           disagree(middle, corner(x + 1, y + 1));
+    const Sample* around[] = {&corner(x, y), &corner(x + 1, y), &corner(x, y + 1), &corner(x + 1, y + 1)};
+    if (std::any_of(std::begin(around), std::end(around), [&](const Sample* s) { return s->object != middle.object; }))
+      return 2;
+    return std::any_of(std::begin(around), std::end(around), [&](const Sample* s) { return contrast(*s, middle); }) ? 1
+                                                                                                                    : 0;
   }
   Vector3f smooth(int x, int y) const {
-    return 0.5F * centre(x, y).colour +
-           0.125F * (corner(x, y).colour + corner(x + 1, y).colour + corner(x, y + 1).colour + corner(x + 1, y + 1).colour);
+    return 0.5F * centre(x, y).colour + 0.125F * (corner(x, y).colour + corner(x + 1, y).colour +
+                                                  corner(x, y + 1).colour + corner(x + 1, y + 1).colour);
   }
 };
 
@@ -100,23 +107,24 @@ Vector3f supersample(const Eye& eye, int x, int y, int samples) {
 struct LinearPicture {
   Plane<Vector3f> light;
   Plane<float> depth;
-  int edge_samples = 4;
+  int edge_samples = 3;
 };
 
-// One band more on each side is sampled, so that a pixel beside an edge is refined too: thin things that fall between
-// the samples of one pixel are caught by its neighbours.
+// One row more on each side is sampled, so that a pixel beside an object's edge is refined too: thin things that fall
+// between the samples of one pixel are caught by its neighbours.
 void render_band(const Eye& eye, int y_begin, int y_end, const Job& job, LinearPicture& out) {
   const int width = out.light.width, height = out.light.height;
   const int y0 = std::max(0, y_begin - 1), y1 = std::min(height, y_end + 1);
   const Band band = sample_band(eye, width, y0, y1);
   Plane<uint8_t> edge(width, y1 - y0);
   for (int y = y0; y < y1; ++y) {
-    for (int x = 0; x < width; ++x) edge.at(x, y - y0) = band.has_edge(x, y) ? 1 : 0;
+    for (int x = 0; x < width; ++x) edge.at(x, y - y0) = band.edge(x, y);
   }
   const auto near_edge = [&](int x, int y) {
+    if (edge.at(x, y - y0) != 0) return true;
     for (int v = std::max(y0, y - 1); v <= std::min(y1 - 1, y + 1); ++v) {
       for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u) {
-        if (edge.at(u, v - y0) != 0) return true;
+        if (edge.at(u, v - y0) == 2) return true;
       }
     }
     return false;
@@ -176,7 +184,8 @@ RgbImage develop(LinearPicture& picture, const PictureOptions& options, const Jo
 
 void check(const Camera& camera, const PictureOptions& options) {
   const Intrinsics& in = camera.intrinsics;
-  if (in.width < 1 || in.height < 1 || in.fx <= 0 || in.fy <= 0) throw std::logic_error("take_picture: camera needs a size and a focal length");
+  if (in.width < 1 || in.height < 1 || in.fx <= 0 || in.fy <= 0)
+    throw std::logic_error("take_picture: camera needs a size and a focal length");
   if (options.edge_samples < 1 || options.edge_samples > 8) {
     throw std::logic_error("take_picture: edge_samples " + std::to_string(options.edge_samples) + ", expected 1 .. 8");
   }
@@ -188,7 +197,8 @@ Picture take_picture(const Scene& scene, const Camera& camera, const PictureOpti
   check(camera, options);
   const int width = camera.intrinsics.width, height = camera.intrinsics.height;
   const Eye eye(scene, camera);
-  LinearPicture picture{Plane<Vector3f>(width, height, Vector3f::Zero()), Plane<float>(width, height), options.edge_samples};
+  LinearPicture picture{Plane<Vector3f>(width, height, Vector3f::Zero()), Plane<float>(width, height),
+                        options.edge_samples};
   parallel_for(job, (height + kBandRows - 1) / kBandRows, [&](int band) {
     render_band(eye, band * kBandRows, std::min(height, (band + 1) * kBandRows), job, picture);
   });

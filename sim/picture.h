@@ -1,7 +1,7 @@
 // Photographs of a synthetic scene: anti-aliased colour and exact z-depth, for any camera, distortion included.
 //
 // Takes a scene and a camera; gives sRGB colour and the z-depth at every pixel's centre (infinity = sky). Colour is
-// averaged in linear light over the pixel's centre and corners, and over 4x4 samples wherever those disagree.
+// averaged in linear light over the pixel's centre and corners, and over 3x3 samples wherever those disagree.
 #pragma once
 
 #include "geometry.h"
@@ -12,10 +12,10 @@
 namespace ldp {
 
 struct PictureOptions {
-  int edge_samples = 4;        // per axis, in pixels with an edge (1 .. 8); smooth pixels take the centre and corners
-  double exposure = 1;         // multiplies linear light
-  double noise = 0;            // deviation of the sensor's noise at mid-grey, in 8-bit levels
-  double motion_blur_px = 0;   // length of a horizontal smear
+  int edge_samples = 3;       // per axis, in pixels with an edge (1 .. 8); smooth pixels take the centre and corners
+  double exposure = 1;        // multiplies linear light
+  double noise = 0;           // deviation of the sensor's noise at mid-grey, in 8-bit levels
+  double motion_blur_px = 0;  // length of a horizontal smear
   uint64_t noise_seed = 0;
 };
 

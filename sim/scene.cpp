@@ -10,14 +10,14 @@
 namespace ldp {
 namespace {
 
-using Eigen::Array3d;
-using Eigen::Array3f;
+using Eigen::Array4f;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr int kGround = -2;  // hills ring i is kGround - 1 - i
 constexpr int kSky = -1;
-constexpr int kLeafObjects = 3;
+constexpr float kVisitCost = 0.6F;  // of a node, in object tests
+constexpr size_t kDeepestTree = 128;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 struct LocalRay {
@@ -76,24 +76,28 @@ Meeting meet_cylinder(const LocalRay& ray, const Vector3d& half, double t_min) {
 // A pointed oval along x: |y| below a parabola that closes at both tips.
 bool inside_leaf(double x, double y) { return std::abs(y) < (1 - x * x) * (1 - 0.25 * x); }
 
-Meeting meet_flat(const LocalRay& ray, const Object& object, double t_min) {
+Meeting meet_flat(const LocalRay& ray, Shape shape, const Vector3d& half, double t_min) {
   if (ray.direction.z() == 0) return {};
   const double t = -ray.origin.z() / ray.direction.z();
   if (t <= t_min) return {};
-  const double x = (ray.origin.x() + t * ray.direction.x()) / object.half.x();
-  const double y = (ray.origin.y() + t * ray.direction.y()) / object.half.y();
+  const double x = (ray.origin.x() + t * ray.direction.x()) / half.x();
+  const double y = (ray.origin.y() + t * ray.direction.y()) / half.y();
   if (std::abs(x) > 1 || std::abs(y) > 1) return {};
-  if (object.shape == Shape::leaf && !inside_leaf(x, y)) return {};
+  if (shape == Shape::leaf && !inside_leaf(x, y)) return {};
   return {t, Vector3d(0, 0, ray.direction.z() > 0 ? -1 : 1)};
 }
 
-Meeting meet(const LocalRay& ray, const Object& object, double t_min) {
-  switch (object.shape) {
-    case Shape::ellipsoid: return meet_ellipsoid(ray, object.half, t_min);
-    case Shape::cylinder: return meet_cylinder(ray, object.half, t_min);
-    case Shape::box: return meet_box(ray, object.half, t_min);
+Meeting meet(const LocalRay& ray, Shape shape, const Vector3d& half, double t_min) {
+  switch (shape) {
+    case Shape::ellipsoid:
+      return meet_ellipsoid(ray, half, t_min);
+    case Shape::cylinder:
+      return meet_cylinder(ray, half, t_min);
+    case Shape::box:
+      return meet_box(ray, half, t_min);
     case Shape::quad:
-    case Shape::leaf: return meet_flat(ray, object, t_min);
+    case Shape::leaf:
+      return meet_flat(ray, shape, half, t_min);
   }
   return {};
 }
@@ -112,25 +116,43 @@ Eigen::Vector2d face_position(const Object& object, const Vector3d& local, const
       if (std::abs(normal.x()) > 0.5) return {local.y(), local.z()};
       if (std::abs(normal.y()) > 0.5) return {local.x(), local.z()};
       return {local.x(), local.y()};
-    case Shape::cylinder: return {std::atan2(local.y(), local.x()) * object.half.x(), local.z()};
-    case Shape::ellipsoid: return {std::atan2(local.y(), local.x()) * object.half.x(), local.z()};
+    case Shape::cylinder:
+      return {std::atan2(local.y(), local.x()) * object.half.x(), local.z()};
+    case Shape::ellipsoid:
+      return {std::atan2(local.y(), local.x()) * object.half.x(), local.z()};
     case Shape::quad:
-    case Shape::leaf: break;
+    case Shape::leaf:
+      break;
   }
   return {local.x(), local.y()};
 }
 
-// Where the ray's way through the box begins, or kNever when it misses (t_max included).
-float box_entry(const Array3f& low, const Array3f& high, const Array3f& origin, const Array3f& inverse, float t_max) {
-  const Array3f a = (low - origin) * inverse, b = (high - origin) * inverse;
-  const float enter = std::max({std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2]), 0.0F});
-  const float leave = std::min({std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2]), t_max});
-  return enter <= leave ? enter : std::numeric_limits<float>::infinity();
+Array4f padded(const Vector3d& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0F};
 }
+
+// A ray prepared for boxes. The fourth lane holds the ray's own limits: it starts at 0.
+struct SlabRay {
+  Array4f origin, inverse;
+
+  explicit SlabRay(const Ray& ray) : origin(padded(ray.origin)), inverse(padded(ray.direction).inverse()) {
+    inverse[3] = 1;
+  }
+  // Where the ray's way through the box begins; infinity when it misses or begins beyond the limit.
+  float entry(const Array4f& low, const Array4f& high, float limit) const {
+    const Array4f a = (low - origin) * inverse, b = (high - origin) * inverse;
+    const Array4f near = a.min(b);
+    Array4f far = a.max(b);
+    far[3] = limit;
+    const float enter = near.maxCoeff();
+    return enter <= far.minCoeff() ? enter : std::numeric_limits<float>::infinity();
+  }
+};
 
 double skyline(const Hills& hills, const Vector3d& at) {
   const Vector3d around = 6.0 * at / hills.radius;
-  return hills.base_height + hills.relief * fractal_noise({around.x(), around.y(), 0.3}, 3.0, 0.004, hills.material.seed);
+  return hills.base_height +
+         hills.relief * fractal_noise({around.x(), around.y(), 0.3}, 3.0, 0.004, hills.material.seed);
 }
 
 }  // namespace
@@ -143,80 +165,121 @@ Scene::Scene(SceneDescription description) : description_(std::move(description)
   for (const Object& object : objects) {
     // Float bounds must hold the exact object: a little slack, growing with the distance from the origin.
     const Vector3d extent = extent_of(object).array() + 1e-5 + 1e-6 * object.centre.cwiseAbs().maxCoeff();
-    low_.push_back((object.centre - extent).cast<float>().array());
-    high_.push_back((object.centre + extent).cast<float>().array());
+    boxes_.push_back({padded(object.centre - extent), padded(object.centre + extent)});
   }
   if (!objects.empty()) build_node(0, static_cast<int>(objects.size()));
+  for (const int index : order_) {
+    const Object& object = objects[static_cast<size_t>(index)];
+    solids_.push_back({object.world_from_local.transpose(), object.centre, object.half, object.shape});
+  }
 }
 
-// Halves the objects at the median along the widest axis of their centres. Returns the node's index.
+// Splits where the surface area heuristic expects the least work, along the best of the three axes. Returns the node's
+// index; the left child follows its parent, the right one is named by it.
 int Scene::build_node(int first, int count) {
   const auto index = nodes_.size();
   nodes_.emplace_back();
-  Array3f low = Array3f::Constant(std::numeric_limits<float>::max()), high = -low, centre_low = low, centre_high = high;
-  for (int i = first; i < first + count; ++i) {
-    const auto object = static_cast<size_t>(order_[static_cast<size_t>(i)]);
-    low = low.min(low_[object]);
-    high = high.max(high_[object]);
-    const Array3f centre = 0.5F * (low_[object] + high_[object]);
-    centre_low = centre_low.min(centre);
-    centre_high = centre_high.max(centre);
-  }
-  nodes_[index].low = low;
-  nodes_[index].high = high;
-  if (count <= kLeafObjects) {
+  const Box bounds = bounds_of(first, count);
+  nodes_[index].low = bounds.low;
+  nodes_[index].high = bounds.high;
+  const int left_count = count <= 1 ? 0 : split(first, count, bounds.area());
+  if (left_count == 0) {
     nodes_[index].first = first;
     nodes_[index].count = count;
     return static_cast<int>(index);
   }
-  Eigen::Index axis = 0;
-  (centre_high - centre_low).maxCoeff(&axis);
-  const auto key = [&](int object) {
-    const auto i = static_cast<size_t>(object);
-    return std::pair(low_[i][axis] + high_[i][axis], object);
-  };
-  const auto begin = order_.begin() + first;
-  std::nth_element(begin, begin + count / 2, begin + count, [&](int a, int b) { return key(a) < key(b); });
-  build_node(first, count / 2);
-  const int right = build_node(first + count / 2, count - count / 2);
+  build_node(first, left_count);
+  const int right = build_node(first + left_count, count - left_count);
   nodes_[index].first = right;
   return static_cast<int>(index);
 }
 
+Scene::Box Scene::bounds_of(int first, int count) const {
+  Box all;
+  for (int i = first; i < first + count; ++i) all.add(boxes_[static_cast<size_t>(order_[static_cast<size_t>(i)])]);
+  return all;
+}
+
+void Scene::sort_along(int first, int count, int axis) {
+  const auto key = [&](int object) {
+    const Box& box = boxes_[static_cast<size_t>(object)];
+    return std::pair(box.low[axis] + box.high[axis], object);
+  };
+  const auto begin = order_.begin() + first;
+  std::sort(begin, begin + count, [&](int a, int b) { return key(a) < key(b); });
+}
+
+// Reorders the range; returns how many objects go left, 0 to keep all in one leaf.
+int Scene::split(int first, int count, float whole_area) {
+  float best_cost = static_cast<float>(count);
+  int best_axis = -1, best_left = 0;
+  std::vector<float> left_area(static_cast<size_t>(count));
+  for (int axis = 0; axis < 3; ++axis) {
+    sort_along(first, count, axis);
+    Box growing;
+    for (int i = 0; i < count; ++i) {
+      growing.add(boxes_[static_cast<size_t>(order_[static_cast<size_t>(first + i)])]);
+      left_area[static_cast<size_t>(i)] = growing.area();
+    }
+    Box right;
+    for (int i = count - 1; i > 0; --i) {
+      right.add(boxes_[static_cast<size_t>(order_[static_cast<size_t>(first + i)])]);
+      const float work =
+          left_area[static_cast<size_t>(i - 1)] * static_cast<float>(i) + right.area() * static_cast<float>(count - i);
+      const float cost = kVisitCost + work / whole_area;
+      if (cost >= best_cost) continue;
+      best_cost = cost;
+      best_axis = axis;
+      best_left = i;
+    }
+  }
+  if (best_axis < 0) return 0;
+  sort_along(first, count, best_axis);
+  return best_left;
+}
+
 void Scene::find_among_objects(const Ray& ray, double t_min, Found& found) const {
   if (nodes_.empty()) return;
-  const Array3f origin = ray.origin.cast<float>().array(), inverse = ray.direction.cast<float>().array().inverse();
-  std::array<std::pair<int, float>, 64> stack;
+  const SlabRay slab(ray);
+  struct Waiting {
+    int node;
+    float entry;
+  };
+  std::array<Waiting, kDeepestTree> stack;
   size_t depth = 0;
-  const auto limit = [&] { return static_cast<float>(found.t) * 1.000001F; };
-  const auto push = [&](int node, float entry) {
-    if (entry < std::numeric_limits<float>::infinity()) stack[depth++] = {node, entry};
-  };
-  const auto entry_of = [&](int node) {
-    const Node& n = nodes_[static_cast<size_t>(node)];
-    return box_entry(n.low, n.high, origin, inverse, limit());
-  };
-  push(0, entry_of(0));
-  while (depth > 0) {
-    const auto [index, entry] = stack[--depth];
-    if (entry > limit()) continue;
-    const Node& node = nodes_[static_cast<size_t>(index)];
-    if (node.count == 0) {
-      const int left = index + 1, right = node.first;
-      const float left_entry = entry_of(left), right_entry = entry_of(right);
-      const bool left_first = left_entry <= right_entry;
-      push(left_first ? right : left, left_first ? right_entry : left_entry);
-      push(left_first ? left : right, left_first ? left_entry : right_entry);
-      continue;
+  float limit = std::numeric_limits<float>::max();  // below infinity, which stands for a miss
+  int node_index = 0;
+  float entry = slab.entry(nodes_[0].low, nodes_[0].high, limit);
+  while (true) {
+    if (entry <= limit) {
+      const Node& node = nodes_[static_cast<size_t>(node_index)];
+      if (node.count == 0) {
+        const int left = node_index + 1, right = node.first;
+        const float left_entry =
+            slab.entry(nodes_[static_cast<size_t>(left)].low, nodes_[static_cast<size_t>(left)].high, limit);
+        const float right_entry =
+            slab.entry(nodes_[static_cast<size_t>(right)].low, nodes_[static_cast<size_t>(right)].high, limit);
+        const bool left_first = left_entry <= right_entry;
+        const float far_entry = left_first ? right_entry : left_entry;
+        if (far_entry <= limit && depth < stack.size()) stack[depth++] = {left_first ? right : left, far_entry};
+        node_index = left_first ? left : right;
+        entry = left_first ? left_entry : right_entry;
+        continue;
+      }
+      for (int i = node.first; i < node.first + node.count; ++i) {
+        const Solid& solid = solids_[static_cast<size_t>(i)];
+        const LocalRay local{solid.local_from_world * (ray.origin - solid.centre),
+                             solid.local_from_world * ray.direction};
+        const Meeting meeting = meet(local, solid.shape, solid.half, t_min);
+        if (meeting.t >= found.t) continue;
+        found = {meeting.t, order_[static_cast<size_t>(i)], local.origin + meeting.t * local.direction, meeting.normal};
+        limit = std::nextafter(static_cast<float>(found.t), std::numeric_limits<float>::max());
+      }
     }
-    for (int i = node.first; i < node.first + node.count; ++i) {
-      const int candidate = order_[static_cast<size_t>(i)];
-      const Object& object = description_.objects[static_cast<size_t>(candidate)];
-      const Eigen::Matrix3d& axes = object.world_from_local;
-      const LocalRay local{axes.transpose() * (ray.origin - object.centre), axes.transpose() * ray.direction};
-      const Meeting meeting = meet(local, object, t_min);
-      if (meeting.t < found.t) found = {meeting.t, candidate, local.origin + meeting.t * local.direction, meeting.normal};
-    }
+    if (depth == 0) return;
+    --depth;
+    node_index = stack[depth].node;
+    entry = stack[depth].entry;
   }
 }
 

@@ -71,9 +71,29 @@ class Scene {
   std::vector<Hit> hits(const Ray& ray, int limit) const;
 
  private:
+  static constexpr float kHuge = std::numeric_limits<float>::max();
+
+  // Bounds; the fourth lane is idle and lets the compiler use whole vectors.
+  struct Box {
+    Eigen::Array4f low = {kHuge, kHuge, kHuge, 0}, high = {-kHuge, -kHuge, -kHuge, 0};
+
+    void add(const Box& other) {
+      low = low.min(other.low);
+      high = high.max(other.high);
+    }
+    float area() const {
+      const Eigen::Array4f side = high - low;
+      return side[0] * side[1] + side[1] * side[2] + side[2] * side[0];
+    }
+  };
   struct Node {
-    Eigen::Array3f low, high;
-    int32_t first = 0, count = 0;  // count 0: children are `first` and the next node after this one
+    Eigen::Array4f low, high;
+    int32_t first = 0, count = 0;  // count 0: the children are the next node and node `first`
+  };
+  struct Solid {  // what the search needs of an object
+    Eigen::Matrix3d local_from_world;
+    Eigen::Vector3d centre, half;
+    Shape shape;
   };
   struct Found {
     double t;
@@ -83,14 +103,18 @@ class Scene {
   };
 
   int build_node(int first, int count);
+  Box bounds_of(int first, int count) const;
+  void sort_along(int first, int count, int axis);
+  int split(int first, int count, float whole_area);
   void find_among_objects(const Ray& ray, double t_min, Found& found) const;
   void find_ground_and_hills(const Ray& ray, double t_min, Found& found) const;
   Eigen::Vector3f shade(const Ray& ray, const Found& found) const;
   Eigen::Vector3f sky(const Eigen::Vector3d& direction, double pixel_size) const;
 
   SceneDescription description_;
-  std::vector<int> order_;
-  std::vector<Eigen::Array3f> low_, high_;  // bounds per object
+  std::vector<int> order_;     // objects as the tree's leaves list them
+  std::vector<Box> boxes_;     // per object
+  std::vector<Solid> solids_;  // in `order_`
   std::vector<Node> nodes_;
 };
 

@@ -19,7 +19,9 @@ using Eigen::Vector3f;
 
 constexpr double kFullTurn = 2 * std::numbers::pi;
 
-Vector3d polar(double angle, double distance, double height) { return {distance * std::cos(angle), distance * std::sin(angle), height}; }
+Vector3d polar(double angle, double distance, double height) {
+  return {distance * std::cos(angle), distance * std::sin(angle), height};
+}
 Matrix3d yawed(double angle) { return AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix(); }
 
 Vector3f tinted(const Vector3f& colour, Random& random, double spread) {
@@ -55,7 +57,9 @@ class Builder {
   Material stone() { return material(Pattern::mottled, {0.18F, 0.17F, 0.15F}, {0.62F, 0.6F, 0.54F}, 0.35); }
   Material wood() { return material(Pattern::planks, {0.14F, 0.075F, 0.035F}, {0.5F, 0.32F, 0.17F}, 0.14); }
 
-  void box(const Vector3d& centre, const Vector3d& half, double yaw, const Material& m) { add(Shape::box, centre, yawed(yaw), half, m); }
+  void box(const Vector3d& centre, const Vector3d& half, double yaw, const Material& m) {
+    add(Shape::box, centre, yawed(yaw), half, m);
+  }
   void ellipsoid(const Vector3d& centre, const Vector3d& half, double yaw, const Material& m) {
     add(Shape::ellipsoid, centre, yawed(yaw), half, m);
   }
@@ -73,8 +77,11 @@ class Builder {
   void leaf(const Vector3d& centre, double length, const Vector3f& colour) {
     Material m = material(Pattern::leaf, 0.45F * colour, 1.3F * colour, length);
     m.accent = {0.4F, 0.48F, 0.18F};
-    const double yaw = random.uniform(0, kFullTurn), pitch = random.uniform(-1.1, 1.1), roll = random.uniform(-1.0, 1.0);
-    const Matrix3d axes = (AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(pitch, Vector3d::UnitY()) * AngleAxisd(roll, Vector3d::UnitX())).toRotationMatrix();
+    const double yaw = random.uniform(0, kFullTurn), pitch = random.uniform(-1.1, 1.1),
+                 roll = random.uniform(-1.0, 1.0);
+    const Matrix3d axes = (AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(pitch, Vector3d::UnitY()) *
+                           AngleAxisd(roll, Vector3d::UnitX()))
+                              .toRotationMatrix();
     add(Shape::leaf, centre, axes, {0.5 * length, random.uniform(0.16, 0.28) * length, 0}, m);
   }
   void new_group() { group_ = ++groups_; }
@@ -115,14 +122,16 @@ void tree(Builder& b, const Vector3d& foot, double height, int leaves) {
     b.rod(start, tip, 0.4 * thickness, bark);
     foliage(b, tip, Vector3d(0.26, 0.26, 0.2) * height, leaves / (branches + 1), 0.05 * height + 0.03);
   }
-  foliage(b, foot + Vector3d(0, 0, 0.85 * height), Vector3d(0.34, 0.34, 0.26) * height, leaves / (branches + 1), 0.05 * height + 0.03);
+  foliage(b, foot + Vector3d(0, 0, 0.85 * height), Vector3d(0.34, 0.34, 0.26) * height, leaves / (branches + 1),
+          0.05 * height + 0.03);
 }
 
 // About 1.75 m tall, facing the origin.
 void figure(Builder& b, const Vector3d& foot) {
   const double facing = std::atan2(-foot.y(), -foot.x()), tall = b.random.uniform(0.92, 1.06);
   const auto cloth = [&] {
-    const Vector3f colour{static_cast<float>(b.random.uniform(0.05, 0.6)), static_cast<float>(b.random.uniform(0.05, 0.5)),
+    const Vector3f colour{static_cast<float>(b.random.uniform(0.05, 0.6)),
+                          static_cast<float>(b.random.uniform(0.05, 0.5)),
                           static_cast<float>(b.random.uniform(0.05, 0.6))};
     return b.material(Pattern::cloth, 0.35F * colour, (1.5F * colour).cwiseMin(0.9F), b.random.uniform(0.06, 0.2));
   };
@@ -130,7 +139,9 @@ void figure(Builder& b, const Vector3d& foot) {
   const Material coat = cloth(), trousers = cloth();
   const Material skin = b.material(Pattern::mottled, {0.36F, 0.2F, 0.13F}, {0.72F, 0.5F, 0.38F}, 0.08);
   const Material hair = b.material(Pattern::mottled, {0.03F, 0.02F, 0.015F}, {0.25F, 0.16F, 0.09F}, 0.05);
-  const auto at = [&](double sideways, double height) { return Vector3d(foot + sideways * side + Vector3d(0, 0, height * tall)); };
+  const auto at = [&](double sideways, double height) {
+    return Vector3d(foot + sideways * side + Vector3d(0, 0, height * tall));
+  };
   b.new_group();
   b.rod(at(-0.1, 0), at(-0.1, 0.85), 0.085, trousers);
   b.rod(at(0.1, 0), at(0.1, 0.85), 0.085, trousers);
@@ -150,13 +161,15 @@ void house(Builder& b, double angle, double distance, const Vector3d& half) {
   b.box(polar(angle, distance, half.z()), half, yaw, front);
   Material tiles = b.material(Pattern::shingles, {0.17F, 0.06F, 0.045F}, {0.48F, 0.22F, 0.15F}, 0.5);
   tiles.accent = {0.1F, 0.06F, 0.05F};
-  b.box(polar(angle, distance, 2 * half.z() + 0.35), half.cwiseProduct(Vector3d(1.08, 1.08, 0)) + Vector3d(0, 0, 0.35), yaw, tiles);
+  b.box(polar(angle, distance, 2 * half.z() + 0.35), half.cwiseProduct(Vector3d(1.08, 1.08, 0)) + Vector3d(0, 0, 0.35),
+        yaw, tiles);
   b.box(polar(angle, distance, 2 * half.z() + 1.2), {0.35, 0.35, 1.0}, yaw, b.brick());
 }
 
 void houses(Builder& b, int count, double nearest, double farthest) {
   for (int i = 0; i < count; ++i) {
-    const double angle = kFullTurn * (i + b.random.uniform(0.1, 0.6)) / count, distance = b.random.uniform(nearest, farthest);
+    const double angle = kFullTurn * (i + b.random.uniform(0.1, 0.6)) / count,
+                 distance = b.random.uniform(nearest, farthest);
     house(b, angle, distance, {b.random.uniform(2.5, 4), b.random.uniform(3, 6), b.random.uniform(2.4, 4.5)});
   }
 }
@@ -178,7 +191,8 @@ void lamp_post(Builder& b, const Vector3d& foot, double height) {
   const Material metal = b.metal();
   b.rod(foot, foot + Vector3d(0, 0, height), 0.045, metal);
   b.rod(foot, foot + Vector3d(0, 0, 0.5), 0.09, metal);
-  b.ellipsoid(foot + Vector3d(0, 0, height + 0.16), {0.2, 0.2, 0.2}, 0, b.material(Pattern::mottled, {0.6F, 0.58F, 0.5F}, {0.95F, 0.93F, 0.85F}, 0.15));
+  b.ellipsoid(foot + Vector3d(0, 0, height + 0.16), {0.2, 0.2, 0.2}, 0,
+              b.material(Pattern::mottled, {0.6F, 0.58F, 0.5F}, {0.95F, 0.93F, 0.85F}, 0.15));
 }
 
 void planter(Builder& b, const Vector3d& foot, double height, int leaves) {
@@ -198,7 +212,8 @@ void low_wall(Builder& b, double angle, double distance, double half_width, doub
 }
 
 void countryside(Builder& b) {
-  b.scene.hills.push_back({60, 3.5, 2.5, b.material(Pattern::mottled, {0.04F, 0.09F, 0.03F}, {0.26F, 0.36F, 0.14F}, 5)});
+  b.scene.hills.push_back(
+      {60, 3.5, 2.5, b.material(Pattern::mottled, {0.04F, 0.09F, 0.03F}, {0.26F, 0.36F, 0.14F}, 5)});
   b.scene.hills.push_back({220, 16, 14, b.material(Pattern::mottled, {0.1F, 0.16F, 0.08F}, {0.38F, 0.42F, 0.26F}, 25)});
   b.scene.hills.push_back({700, 70, 60, b.material(Pattern::mottled, {0.2F, 0.22F, 0.24F}, {0.5F, 0.5F, 0.52F}, 120)});
 }
@@ -216,7 +231,8 @@ SceneDescription garden(uint32_t seed) {
     const double angle = kFullTurn * (i + b.random.uniform(0, 0.8)) / 10, distance = b.random.uniform(1.9, 3.2);
     foliage(b, polar(angle, distance, b.random.uniform(0.5, 1.1)), {0.8, 0.8, 0.9}, 40, 0.22);
   }
-  for (int i = 0; i < 4; ++i) figure(b, polar(kFullTurn * (i + b.random.uniform(0.2, 0.8)) / 4, b.random.uniform(2.0, 3.5), 0));
+  for (int i = 0; i < 4; ++i)
+    figure(b, polar(kFullTurn * (i + b.random.uniform(0.2, 0.8)) / 4, b.random.uniform(2.0, 3.5), 0));
   for (int i = 0; i < 4; ++i) low_wall(b, kFullTurn * (i + 0.3) / 4, 4.2, 1.6, 0.7);
   return b.scene;
 }
@@ -233,8 +249,11 @@ SceneDescription courtyard(uint32_t seed) {
     planter(b, polar(angle + b.random.uniform(0.3, 0.6), b.random.uniform(1.7, 2.6), 0), 0.75, 60);
     tree(b, polar(angle + b.random.uniform(0.6, 1.0), b.random.uniform(4.5, 7.5), 0), b.random.uniform(3.5, 5), 160);
   }
-  for (int i = 0; i < 6; ++i) figure(b, polar(kFullTurn * (i + b.random.uniform(0.1, 0.9)) / 6, b.random.uniform(1.9, 6), 0));
-  for (int i = 0; i < 6; ++i) low_wall(b, kFullTurn * (i + b.random.uniform(0.1, 0.4)) / 6, b.random.uniform(3, 5), 1.3, b.random.uniform(0.5, 1.0));
+  for (int i = 0; i < 6; ++i)
+    figure(b, polar(kFullTurn * (i + b.random.uniform(0.1, 0.9)) / 6, b.random.uniform(1.9, 6), 0));
+  for (int i = 0; i < 6; ++i)
+    low_wall(b, kFullTurn * (i + b.random.uniform(0.1, 0.4)) / 6, b.random.uniform(3, 5), 1.3,
+             b.random.uniform(0.5, 1.0));
   railing(b, 6.5, 0.4, 2.4, 0.14);
   return b.scene;
 }
@@ -252,9 +271,12 @@ void table(Builder& b, const Vector3d& foot, double yaw) {
     const Vector3d on_top = foot + yawed(yaw) * Vector3d(b.random.uniform(-0.3, 0.3), -0.55 + 0.26 * i, 0.755);
     const double size = b.random.uniform(0.06, 0.13);
     const Vector3f colour = tinted({0.35F, 0.3F, 0.3F}, b.random, 0.9);
-    const Material m = b.material(i % 2 == 0 ? Pattern::mottled : Pattern::cloth, 0.4F * colour, (1.6F * colour).cwiseMin(0.95F), 0.08);
-    if (i % 2 == 0) b.ellipsoid(on_top + Vector3d(0, 0, 1.3 * size), {size, size, 1.3 * size}, 0, m);
-    else b.box(on_top + Vector3d(0, 0, size), {0.7 * size, size, size}, b.random.uniform(0, 1.5), m);
+    const Material m = b.material(i % 2 == 0 ? Pattern::mottled : Pattern::cloth, 0.4F * colour,
+                                  (1.6F * colour).cwiseMin(0.95F), 0.08);
+    if (i % 2 == 0)
+      b.ellipsoid(on_top + Vector3d(0, 0, 1.3 * size), {size, size, 1.3 * size}, 0, m);
+    else
+      b.box(on_top + Vector3d(0, 0, size), {0.7 * size, size, size}, b.random.uniform(0, 1.5), m);
   }
 }
 
@@ -296,7 +318,8 @@ void walls(Builder& b, double west, double east, double south, double north) {
     b.rod({mid_x + sign * 0.01, north, 0.9}, {mid_x + sign * 0.01, north, 2.2}, 0.02, b.wood());
   }
   b.box({mid_x, mid_y, -0.05}, {half_x + 0.2, half_y + 0.2, 0.05}, 0, b.wood());
-  b.box({mid_x, mid_y, height + 0.05}, {half_x + 0.2, half_y + 0.2, 0.05}, 0, b.material(Pattern::mottled, {0.5F, 0.5F, 0.48F}, {0.88F, 0.88F, 0.86F}, 0.3));
+  b.box({mid_x, mid_y, height + 0.05}, {half_x + 0.2, half_y + 0.2, 0.05}, 0,
+        b.material(Pattern::mottled, {0.5F, 0.5F, 0.48F}, {0.88F, 0.88F, 0.86F}, 0.3));
 }
 
 SceneDescription room(uint32_t seed) {
@@ -317,9 +340,11 @@ SceneDescription room(uint32_t seed) {
   figure(b, {1.2, 2.3, 0});
   lamp_post(b, {0.55, 1.85, 0}, 1.55);
   for (int i = 0; i < 4; ++i) {
-    Material art = b.material(Pattern::picture, tinted({0.1F, 0.12F, 0.2F}, b.random, 0.8), tinted({0.7F, 0.6F, 0.4F}, b.random, 0.4), 0.3);
+    Material art = b.material(Pattern::picture, tinted({0.1F, 0.12F, 0.2F}, b.random, 0.8),
+                              tinted({0.7F, 0.6F, 0.4F}, b.random, 0.4), 0.3);
     art.accent = tinted({0.6F, 0.25F, 0.15F}, b.random, 0.6);
-    const double along = -1.6 + 1.15 * i, half_width = b.random.uniform(0.25, 0.4), half_height = b.random.uniform(0.2, 0.35);
+    const double along = -1.6 + 1.15 * i, half_width = b.random.uniform(0.25, 0.4),
+                 half_height = b.random.uniform(0.2, 0.35);
     b.pane({west + 0.012, along, 1.6}, half_width, half_height, 0, art);
     if (i > 1) b.pane({0.4 * i - 0.2, south + 0.012, 1.65}, half_height, half_width, std::numbers::pi / 2, art);
   }
@@ -332,12 +357,15 @@ SceneDescription terrace(uint32_t seed) {
   countryside(b);
   houses(b, 13, 24, 48);
   for (int i = 0; i < 24; ++i) {
-    tree(b, polar(kFullTurn * (i + b.random.uniform(0, 0.8)) / 24, b.random.uniform(21, 40), 0), b.random.uniform(4, 8), 90);
+    tree(b, polar(kFullTurn * (i + b.random.uniform(0, 0.8)) / 24, b.random.uniform(21, 40), 0), b.random.uniform(4, 8),
+         90);
   }
   Material paving = b.material(Pattern::checks, {0.24F, 0.2F, 0.16F}, {0.58F, 0.52F, 0.45F}, 0.4);
   b.rod({0, 0, -0.02}, {0, 0, 0.02}, 2.6, paving);
   railing(b, 2.3, 0, kFullTurn, 0.13);
-  for (int i = 0; i < 7; ++i) planter(b, polar(kFullTurn * (i + b.random.uniform(0.1, 0.7)) / 7, b.random.uniform(1.65, 2.05), 0.02), b.random.uniform(0.45, 0.8), 50);
+  for (int i = 0; i < 7; ++i)
+    planter(b, polar(kFullTurn * (i + b.random.uniform(0.1, 0.7)) / 7, b.random.uniform(1.65, 2.05), 0.02),
+            b.random.uniform(0.45, 0.8), 50);
   for (int i = 0; i < 3; ++i) {
     const double angle = kFullTurn * (i + 0.4) / 3;
     b.rod(polar(angle, 2.0, 0), polar(angle, 2.0, 2.6), 0.05, b.wood());
@@ -359,7 +387,8 @@ SceneDescription repeated(uint32_t seed) {
   railing(b, 2.6, 0, kFullTurn, 0.12);
   for (int i = 0; i < 12; ++i) {
     const double angle = kFullTurn * (i + 0.5) / 12;
-    b.box(polar(angle, 1.9, 0.3), {0.15, 0.15, 0.3}, angle, b.material(Pattern::checks, {0.1F, 0.12F, 0.3F}, {0.75F, 0.74F, 0.6F}, 0.1));
+    b.box(polar(angle, 1.9, 0.3), {0.15, 0.15, 0.3}, angle,
+          b.material(Pattern::checks, {0.1F, 0.12F, 0.3F}, {0.75F, 0.74F, 0.6F}, 0.1));
   }
   houses(b, 16, 20, 20.5);
   return b.scene;
@@ -371,16 +400,21 @@ SceneDescription figures(uint32_t seed) {
   b.scene.ground.accent = {0.15F, 0.14F, 0.13F};
   countryside(b);
   houses(b, 12, 16, 22);
-  for (int i = 0; i < 9; ++i) figure(b, polar(kFullTurn * (i + b.random.uniform(0, 0.8)) / 9, b.random.uniform(1.85, 2.6), 0));
-  for (int i = 0; i < 22; ++i) figure(b, polar(kFullTurn * (i + b.random.uniform(0, 0.9)) / 22, b.random.uniform(3, 6), 0));
-  for (int i = 0; i < 26; ++i) figure(b, polar(kFullTurn * (i + b.random.uniform(0, 0.9)) / 26, b.random.uniform(6.5, 12.5), 0));
-  for (int i = 0; i < 4; ++i) lamp_post(b, polar(kFullTurn * (i + b.random.uniform(0, 0.9)) / 4, b.random.uniform(3, 7), 0), 3.2);
+  for (int i = 0; i < 9; ++i)
+    figure(b, polar(kFullTurn * (i + b.random.uniform(0, 0.8)) / 9, b.random.uniform(1.85, 2.6), 0));
+  for (int i = 0; i < 22; ++i)
+    figure(b, polar(kFullTurn * (i + b.random.uniform(0, 0.9)) / 22, b.random.uniform(3, 6), 0));
+  for (int i = 0; i < 26; ++i)
+    figure(b, polar(kFullTurn * (i + b.random.uniform(0, 0.9)) / 26, b.random.uniform(6.5, 12.5), 0));
+  for (int i = 0; i < 4; ++i)
+    lamp_post(b, polar(kFullTurn * (i + b.random.uniform(0, 0.9)) / 4, b.random.uniform(3, 7), 0), 3.2);
   return b.scene;
 }
 
 const std::map<std::string, std::function<SceneDescription(uint32_t)>>& makers() {
   static const std::map<std::string, std::function<SceneDescription(uint32_t)>> all = {
-      {"courtyard", courtyard}, {"figures", figures}, {"garden", garden}, {"repeated", repeated}, {"room", room}, {"terrace", terrace}};
+      {"courtyard", courtyard}, {"figures", figures}, {"garden", garden},
+      {"repeated", repeated},   {"room", room},       {"terrace", terrace}};
   return all;
 }
 

@@ -76,9 +76,9 @@ std::vector<Camera> novel_cameras(const SweepPath& path) {
   struct NovelView {
     double share, radius_factor, raise_m, turn_deg;
   };
-  constexpr NovelView kViews[] = {{0.12, 1, 0, 0},   {0.37, 1, 0, 0},   {0.63, 1, 0, 0},     {0.88, 1, 0, 0},
-                                  {0.3, 0.7, 0, 0},  {0.5, 0.4, 0, 0},  {0.7, 0.7, 0, 0},    {0.45, 1.15, 0, 0},
-                                  {0.35, 1, 0.1, 0}, {0.65, 1, -0.1, 0}, {0.4, 1, 0, 12},    {0.6, 1, 0, -12}};
+  constexpr NovelView kViews[] = {{0.12, 1, 0, 0},   {0.37, 1, 0, 0},    {0.63, 1, 0, 0},  {0.88, 1, 0, 0},
+                                  {0.3, 0.7, 0, 0},  {0.5, 0.4, 0, 0},   {0.7, 0.7, 0, 0}, {0.45, 1.15, 0, 0},
+                                  {0.35, 1, 0.1, 0}, {0.65, 1, -0.1, 0}, {0.4, 1, 0, 12},  {0.6, 1, 0, -12}};
   std::vector<Camera> cameras;
   for (const NovelView& view : kViews) {
     const double theta = theta_at(path, view.share);

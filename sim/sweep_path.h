@@ -12,13 +12,14 @@ namespace ldp {
 
 struct SweepPath {
   int frames = 20;
-  double arc_rad = 3.14159265358979;  // between the first and the last frame; a full turn closes without repeating a frame
-  double radius = 0.65;               // arm length, metres
-  double fov_rad = 1.01229;           // horizontal
+  double arc_rad =
+      3.14159265358979;      // between the first and the last frame; a full turn closes without repeating a frame
+  double radius = 0.65;      // arm length, metres
+  double fov_rad = 1.01229;  // horizontal
   int width = 800, height = 600;
-  double k1 = 0;                      // radial distortion of the lens
-  double position_jitter = 0.015;     // deviation of the hand, metres (each axis)
-  double angle_jitter_rad = 0.0209;   // deviation of the hand, about each axis
+  double k1 = 0;                     // radial distortion of the lens
+  double position_jitter = 0.015;    // deviation of the hand, metres (each axis)
+  double angle_jitter_rad = 0.0209;  // deviation of the hand, about each axis
   double eye_height = 1.6;
   unsigned seed = 1;
 };

@@ -63,7 +63,9 @@ float hash01(int64_t a, int64_t b, uint32_t seed) {
 }
 
 // 1 while a feature of `size` spans several pixels, 0 when it is smaller than two.
-float visibility_of(double size, double pixel) { return static_cast<float>(std::clamp((size / pixel - 2) / 3, 0.0, 1.0)); }
+float visibility_of(double size, double pixel) {
+  return static_cast<float>(std::clamp((size / pixel - 2) / 3, 0.0, 1.0));
+}
 
 Vector3f mottled(const Material& m, const TexturePoint& p) {
   const float noise = fractal_noise(p.local, m.size_m, p.pixel_m, m.seed);
@@ -75,7 +77,8 @@ Vector3f blocks(const Material& m, const TexturePoint& p, const Vector2d& block,
   const auto course = static_cast<int64_t>(std::floor(p.face.y() / block.y()));
   const double along = p.face.x() / block.x() + ((course & 1) != 0 ? 0.5 : 0.0);
   const auto column = static_cast<int64_t>(std::floor(along));
-  const double from_side = std::min(along - static_cast<double>(column), static_cast<double>(column) + 1 - along) * block.x();
+  const double from_side =
+      std::min(along - static_cast<double>(column), static_cast<double>(column) + 1 - along) * block.x();
   const double rise = p.face.y() / block.y() - static_cast<double>(course);
   const double from_bed = std::min(rise, 1 - rise) * block.y();
   const float grain = 0.5F + 0.6F * fractal_noise(p.local, 0.5 * block.y(), p.pixel_m, m.seed);
@@ -89,7 +92,8 @@ Vector3f blocks(const Material& m, const TexturePoint& p, const Vector2d& block,
 }
 
 Vector3f checks(const Material& m, const TexturePoint& p) {
-  const auto a = static_cast<int64_t>(std::floor(p.face.x() / m.size_m)), b = static_cast<int64_t>(std::floor(p.face.y() / m.size_m));
+  const auto a = static_cast<int64_t>(std::floor(p.face.x() / m.size_m)),
+             b = static_cast<int64_t>(std::floor(p.face.y() / m.size_m));
   const float grain = 0.35F * fractal_noise(p.local, 0.4 * m.size_m, p.pixel_m, m.seed);
   const float sharp = ((a + b) & 1) != 0 ? 0.85F : 0.15F;
   const float tone = mix(0.5F, sharp, visibility_of(m.size_m, p.pixel_m)) + grain;
@@ -103,7 +107,8 @@ Vector3f planks(const Material& m, const TexturePoint& p) {
   const float grain = fractal_noise(stretched, 0.4 * m.size_m, p.pixel_m, m.seed);
   const double within = p.face.y() / m.size_m - static_cast<double>(plank);
   const float shown = visibility_of(m.size_m, p.pixel_m);
-  const Vector3f wood = mix(m.dark, m.light, std::clamp(0.5F + 0.3F * (shift - 0.5F) * shown + 0.5F * grain, 0.0F, 1.0F));
+  const Vector3f wood =
+      mix(m.dark, m.light, std::clamp(0.5F + 0.3F * (shift - 0.5F) * shown + 0.5F * grain, 0.0F, 1.0F));
   return within < 0.04 ? Vector3f(wood * mix(1.0F, 0.35F, shown)) : wood;
 }
 
@@ -160,24 +165,34 @@ float fractal_noise(const Vector3d& point, double wavelength_m, double pixel_m, 
     if (fade <= 0) break;
     const Vector3d at = point / wavelength + Vector3d(shift, 1.7 * shift + 13.1 * octave, 2.3 * shift + 5.7 * octave);
     sum += amplitude * static_cast<float>(fade) * (value_noise(at) - 0.5F);
-    amplitude *= 0.7F;
+    amplitude *= 0.82F;
     wavelength *= 0.5;
   }
-  return 1.1F * sum;
+  return 0.95F * sum;
 }
 
 Vector3f reflectance(const Material& m, const TexturePoint& p) {
   switch (m.pattern) {
-    case Pattern::plain: return m.light;
-    case Pattern::mottled: return mottled(m, p);
-    case Pattern::bricks: return blocks(m, p, {m.size_m, m.size_m / 3}, 0.05 * m.size_m);
-    case Pattern::checks: return checks(m, p);
-    case Pattern::planks: return planks(m, p);
-    case Pattern::leaf: return leaf(m, p);
-    case Pattern::cloth: return cloth(m, p);
-    case Pattern::facade: return facade(m, p);
-    case Pattern::shingles: return blocks(m, p, {m.size_m, 0.8 * m.size_m}, 0.04 * m.size_m);
-    case Pattern::picture: return picture(m, p);
+    case Pattern::plain:
+      return m.light;
+    case Pattern::mottled:
+      return mottled(m, p);
+    case Pattern::bricks:
+      return blocks(m, p, {m.size_m, m.size_m / 3}, 0.05 * m.size_m);
+    case Pattern::checks:
+      return checks(m, p);
+    case Pattern::planks:
+      return planks(m, p);
+    case Pattern::leaf:
+      return leaf(m, p);
+    case Pattern::cloth:
+      return cloth(m, p);
+    case Pattern::facade:
+      return facade(m, p);
+    case Pattern::shingles:
+      return blocks(m, p, {m.size_m, 0.8 * m.size_m}, 0.04 * m.size_m);
+    case Pattern::picture:
+      return picture(m, p);
   }
   return m.light;
 }

@@ -1,0 +1,145 @@
+#include "scene_capture.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "images.h"
+#include "npy.h"
+#include "random.h"
+#include "scenes.h"
+#include "transforms.h"
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int64_t kFrameInterval_ns = 350'000'000;
+constexpr double kExposure_us = 4000;
+
+std::span<const uint8_t> bytes_of(const std::string& text) {
+  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
+
+// A folder that vanishes with everything in it unless it was kept.
+class PartialFolder {
+ public:
+  explicit PartialFolder(const fs::path& final_folder) : final_(final_folder) {
+    const fs::path whole = fs::absolute(final_folder).lexically_normal();
+    const fs::path trimmed = whole.has_filename() ? whole : whole.parent_path();
+    partial_ = trimmed.parent_path() / ("." + trimmed.filename().string() + ".partial-" + std::to_string(::getpid()));
+    final_ = trimmed;
+    std::error_code error;
+    if (fs::exists(final_) && !(fs::is_directory(final_) && fs::is_empty(final_))) {
+      throw std::runtime_error(final_folder.string() +
+                               ": is there already and not an empty folder: choose another name or remove it");
+    }
+    fs::create_directories(partial_, error);
+    if (error)
+      throw std::runtime_error(final_folder.string() + ": cannot create the folder (" + error.message() +
+                               "): choose a writable place");
+  }
+  PartialFolder(const PartialFolder&) = delete;
+  PartialFolder& operator=(const PartialFolder&) = delete;
+  ~PartialFolder() {
+    std::error_code ignored;
+    if (!partial_.empty()) fs::remove_all(partial_, ignored);
+  }
+  const fs::path& path() const { return partial_; }
+  void keep() {
+    fs::rename(partial_, final_);
+    partial_.clear();
+  }
+
+ private:
+  fs::path final_, partial_;
+};
+
+void write_views(const fs::path& root, const std::string& name, const Picture& picture, const std::string& file) {
+  write_file(root / name / file, encode_png(picture.colour));
+  write_file(root / (name + "_depth") / fs::path(file).replace_extension(".npy"), encode_npy_half(picture.depth));
+}
+
+void write_cameras(const fs::path& file, const std::string& folder, std::vector<Camera> cameras) {
+  for (Camera& camera : cameras) camera.name = folder + "/" + camera.name;
+  write_transforms(file, cameras);
+}
+
+// No clock is read: the same options give the same bytes.
+std::string capture_json(const SceneCaptureOptions& options, const SceneSweep& sweep) {
+  nlohmann::ordered_json json;
+  json["format"] = "ldp-capture";
+  json["version"] = 1;
+  json["device"] = "simulated";
+  json["camera"] = "scene:" + options.scene + "?seed=" + std::to_string(options.seed);
+  json["captured_utc"] = "2026-01-01T12:00:00Z";
+  json["arm_length_m"] = options.path.radius;
+  json["exposure_locked"] = options.exposure_drift == 0;
+  const int64_t end = kFrameInterval_ns * options.path.frames;
+  json["button"] = {{"pressed_ns", 0}, {"released_ns", end}};
+  json["frames"] = nlohmann::ordered_json::array();
+  for (int i = 0; i < options.path.frames; ++i) {
+    json["frames"].push_back({{"file", "frames/" + sweep.cameras()[static_cast<size_t>(i)].name},
+                              {"time_ns", kFrameInterval_ns * i},
+                              {"exposure_us", kExposure_us * sweep.exposure(i)},
+                              {"gain", 1.0}});
+  }
+  return json.dump(1) + "\n";
+}
+
+}  // namespace
+
+SceneSweep::SceneSweep(const SceneCaptureOptions& options)
+    : options_(options), cameras_(sweep_cameras(options.path)), at_rest_(make_scene(options.scene, options.seed)) {}
+
+// One slow swing about 1: brighter, then darker, as when a sweep passes the sun.
+double SceneSweep::exposure(int frame) const {
+  const double phase = 2 * std::numbers::pi * frame / std::max(1, options_.path.frames);
+  return 1 + options_.exposure_drift * std::sin(phase + 0.5);
+}
+
+Picture SceneSweep::take(int frame, const Job& job) const {
+  Random random(mix_bits(options_.seed + 1000U) + static_cast<uint64_t>(frame));
+  PictureOptions picture;
+  picture.exposure = exposure(frame);
+  picture.noise = options_.noise;
+  picture.noise_seed = random.bits();
+  picture.motion_blur_px = options_.blur_px * random.uniform();
+  const Camera& camera = cameras_.at(static_cast<size_t>(frame));
+  if (options_.moving_share <= 0) return take_picture(at_rest_, camera, picture, job);
+  return take_picture(Scene(moved(at_rest_.description(), options_.moving_share, frame, options_.seed)), camera,
+                      picture, job);
+}
+
+void write_scene_capture(const SceneCaptureOptions& options, const fs::path& folder, const Job& job) {
+  const SceneSweep sweep(options);
+  const std::vector<Camera> novel = options.novel_views ? novel_cameras(options.path) : std::vector<Camera>{};
+  PartialFolder partial(folder);
+  const fs::path& root = partial.path();
+  for (const char* name : {"frames", "frames_depth"}) fs::create_directory(root / name);
+  const double total = options.path.frames + static_cast<double>(novel.size());
+  for (int i = 0; i < options.path.frames; ++i) {
+    job.report("rendering", i / total);
+    write_views(root, "frames", sweep.take(i, job), sweep.cameras()[static_cast<size_t>(i)].name);
+  }
+  write_cameras(root / "transforms.json", "frames", sweep.cameras());
+  if (!novel.empty()) {
+    for (const char* name : {"novel", "novel_depth"}) fs::create_directory(root / name);
+    for (size_t i = 0; i < novel.size(); ++i) {
+      job.report("rendering", (options.path.frames + static_cast<double>(i)) / total);
+      write_views(root, "novel", take_picture(sweep.at_rest(), novel[i], {}, job), novel[i].name);
+    }
+    write_cameras(root / "novel.json", "novel", novel);
+  }
+  write_file(root / "capture.json", bytes_of(capture_json(options, sweep)));
+  job.report("rendering", 1);
+  partial.keep();
+}
+
+}  // namespace ldp

@@ -1,0 +1,49 @@
+// A synthetic sweep as a capture folder with truth, for `ldp scene` and the scene camera.
+//
+// Gives in the folder: frames/NNN.png and transforms.json, frames_depth/NNN.npy (float16, infinity = sky),
+// novel/NNN.png, novel.json and novel_depth/NNN.npy, capture.json. Frames suffer from exposure drift, noise, blur and
+// movement as asked; depths are exact for each frame's own moment, and novel views show the scene at rest, as a perfect
+// camera would.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "job.h"
+#include "picture.h"
+#include "sweep_path.h"
+
+namespace ldp {
+
+struct SceneCaptureOptions {
+  std::string scene = "courtyard";
+  SweepPath path;
+  double exposure_drift = 0;  // largest relative change of exposure over the sweep
+  double noise = 0;           // deviation in 8-bit levels
+  double blur_px = 0;         // longest motion blur; every frame gets a random share of it
+  double moving_share = 0;    // of figures and leaves, that move from frame to frame
+  uint32_t seed = 1;          // of the scene, the hand's jitter and the noise
+  bool novel_views = true;
+};
+
+// Frames of a sweep, one by one.
+class SceneSweep {
+ public:
+  explicit SceneSweep(const SceneCaptureOptions& options);
+
+  const std::vector<Camera>& cameras() const { return cameras_; }
+  double exposure(int frame) const;
+  Picture take(int frame, const Job& job) const;
+  const Scene& at_rest() const { return at_rest_; }
+
+ private:
+  SceneCaptureOptions options_;
+  std::vector<Camera> cameras_;
+  Scene at_rest_;
+};
+
+// Writes the whole folder under a temporary name beside it and renames it when complete. Throws std::invalid_argument
+// (unknown scene), std::runtime_error (folder exists and is not empty, cannot be written), Cancelled.
+void write_scene_capture(const SceneCaptureOptions& options, const std::filesystem::path& folder, const Job& job);
+
+}  // namespace ldp
