@@ -1,7 +1,5 @@
 #include "scene_capture.h"
 
-#include <unistd.h>
-
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -27,43 +25,9 @@ std::span<const uint8_t> bytes_of(const std::string& text) {
   return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
 }
 
-// A folder that vanishes with everything in it unless it was kept.
-class PartialFolder {
- public:
-  explicit PartialFolder(const fs::path& final_folder) : final_(final_folder) {
-    const fs::path whole = fs::absolute(final_folder).lexically_normal();
-    const fs::path trimmed = whole.has_filename() ? whole : whole.parent_path();
-    partial_ = trimmed.parent_path() / ("." + trimmed.filename().string() + ".partial-" + std::to_string(::getpid()));
-    final_ = trimmed;
-    std::error_code error;
-    if (fs::exists(final_) && !(fs::is_directory(final_) && fs::is_empty(final_))) {
-      throw std::runtime_error(final_folder.string() +
-                               ": is there already and not an empty folder: choose another name or remove it");
-    }
-    fs::create_directories(partial_, error);
-    if (error)
-      throw std::runtime_error(final_folder.string() + ": cannot create the folder (" + error.message() +
-                               "): choose a writable place");
-  }
-  PartialFolder(const PartialFolder&) = delete;
-  PartialFolder& operator=(const PartialFolder&) = delete;
-  ~PartialFolder() {
-    std::error_code ignored;
-    if (!partial_.empty()) fs::remove_all(partial_, ignored);
-  }
-  const fs::path& path() const { return partial_; }
-  void keep() {
-    fs::rename(partial_, final_);
-    partial_.clear();
-  }
-
- private:
-  fs::path final_, partial_;
-};
-
-void write_views(const fs::path& root, const std::string& name, const Picture& picture, const std::string& file) {
-  write_file(root / name / file, encode_png(picture.colour));
-  write_file(root / (name + "_depth") / fs::path(file).replace_extension(".npy"), encode_npy_half(picture.depth));
+void write_views(const fs::path& folder, const std::string& name, const Picture& picture, const std::string& file) {
+  write_file(folder / name / file, encode_png(picture.colour));
+  write_file(folder / (name + "_depth") / fs::path(file).replace_extension(".npy"), encode_npy_half(picture.depth));
 }
 
 void write_cameras(const fs::path& file, const std::string& folder, std::vector<Camera> cameras) {
@@ -120,26 +84,23 @@ Picture SceneSweep::take(int frame, const Job& job) const {
 void write_scene_capture(const SceneCaptureOptions& options, const fs::path& folder, const Job& job) {
   const SceneSweep sweep(options);
   const std::vector<Camera> novel = options.novel_views ? novel_cameras(options.path) : std::vector<Camera>{};
-  PartialFolder partial(folder);
-  const fs::path& root = partial.path();
-  for (const char* name : {"frames", "frames_depth"}) fs::create_directory(root / name);
+  for (const char* name : {"frames", "frames_depth"}) fs::create_directory(folder / name);
   const double total = options.path.frames + static_cast<double>(novel.size());
   for (int i = 0; i < options.path.frames; ++i) {
     job.report("rendering", i / total);
-    write_views(root, "frames", sweep.take(i, job), sweep.cameras()[static_cast<size_t>(i)].name);
+    write_views(folder, "frames", sweep.take(i, job), sweep.cameras()[static_cast<size_t>(i)].name);
   }
-  write_cameras(root / "transforms.json", "frames", sweep.cameras());
+  write_cameras(folder / "transforms.json", "frames", sweep.cameras());
   if (!novel.empty()) {
-    for (const char* name : {"novel", "novel_depth"}) fs::create_directory(root / name);
+    for (const char* name : {"novel", "novel_depth"}) fs::create_directory(folder / name);
     for (size_t i = 0; i < novel.size(); ++i) {
       job.report("rendering", (options.path.frames + static_cast<double>(i)) / total);
-      write_views(root, "novel", take_picture(sweep.at_rest(), novel[i], {}, job), novel[i].name);
+      write_views(folder, "novel", take_picture(sweep.at_rest(), novel[i], {}, job), novel[i].name);
     }
-    write_cameras(root / "novel.json", "novel", novel);
+    write_cameras(folder / "novel.json", "novel", novel);
   }
-  write_file(root / "capture.json", bytes_of(capture_json(options, sweep)));
+  write_file(folder / "capture.json", bytes_of(capture_json(options, sweep)));
   job.report("rendering", 1);
-  partial.keep();
 }
 
 }  // namespace ldp

@@ -42,8 +42,8 @@ class SceneSweep {
   Scene at_rest_;
 };
 
-// Writes the whole folder under a temporary name beside it and renames it when complete. Throws std::invalid_argument
-// (unknown scene), std::runtime_error (folder exists and is not empty, cannot be written), Cancelled.
+// Into a folder that exists. Throws std::invalid_argument (unknown scene), std::system_error (cannot be written),
+// Cancelled.
 void write_scene_capture(const SceneCaptureOptions& options, const std::filesystem::path& folder, const Job& job);
 
 }  // namespace ldp

@@ -1,0 +1,26 @@
+// The commands of `ldp`, one file each. Each function adds its command, options and help to the program; what the
+// command does is run by main after the whole line was understood, through `chosen`.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+#include "session.h"
+
+namespace ldp {
+
+struct Program {
+  CLI::App app;
+  Session session;
+  std::string command;          // name of the one chosen
+  std::function<int()> chosen;  // returns the exit status
+};
+
+// A command whose `run` is called with the session when it was chosen. Adds the options that all commands have.
+CLI::App& add_command(Program& program, const std::string& name, const std::string& what,
+                      std::function<int(const Session&)> run);
+
+void add_scene(Program& program);
+
+}  // namespace ldp

@@ -1,0 +1,91 @@
+// ldp: sweeps, panoramas and views from the command line.
+
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <system_error>
+
+#include "commands.h"
+#include "interrupt.h"
+
+namespace ldp {
+namespace {
+
+int complain(const Program& program, const std::string& message, int status) {
+  const std::string name = program.command.empty() ? "ldp" : "ldp " + program.command;
+  std::string line = message;
+  for (char& c : line) c = c == '\n' ? ' ' : c;
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), line.c_str());
+  return status;
+}
+
+int parse(Program& program, int argc, char** argv) {
+  try {
+    program.app.parse(argc, argv);
+  } catch (const CLI::Success& request) {  // help or version
+    return program.app.exit(request);
+  } catch (const CLI::ParseError& error) {
+    const auto chosen = program.app.get_subcommands();
+    if (!chosen.empty()) program.command = chosen.front()->get_name();
+    const std::string help = program.command.empty() ? "ldp --help" : "ldp " + program.command + " --help";
+    return complain(program, std::string(error.what()) + ": see " + help, kBadInput);
+  }
+  return kDone;
+}
+
+// One line, one status: see session.h. What a file holds that cannot be read comes as runtime_error.
+int run(const Program& program) {
+  try {
+    return program.chosen();
+  } catch (const Cancelled&) {
+    return kInterrupted;
+  } catch (const BadInput& error) {
+    return complain(program, error.what(), kBadInput);
+  } catch (const Impossible& error) {
+    return complain(program, error.what(), kCannotBeDone);
+  } catch (const std::bad_alloc&) {
+    return complain(program, "not enough memory: use smaller or fewer photos", kCannotBeDone);
+  } catch (const std::system_error& error) {
+    return complain(program, error.what(), kCannotBeDone);
+  } catch (const std::invalid_argument& error) {
+    return complain(program, error.what(), kBadInput);
+  } catch (const std::runtime_error& error) {
+    return complain(program, error.what(), kBadInput);
+  } catch (const std::exception& error) {
+    return complain(program, std::string("internal error: ") + error.what() + ": please report it", kCannotBeDone);
+  }
+}
+
+}  // namespace
+
+CLI::App& add_command(Program& program, const std::string& name, const std::string& what,
+                      std::function<int(const Session&)> run) {
+  CLI::App& command = *program.app.add_subcommand(name, what);
+  command.add_option("--threads", program.session.threads, "Threads to use; 0 = one per processor")
+      ->check(CLI::Range(0, 256));
+  command.add_flag("--json", program.session.json, "Print machine-readable output");
+  command
+      .add_option("--progress-fd", program.session.progress_fd, "Write lines FRACTION STAGE to this file descriptor")
+      ->group("");
+  command.callback([&program, name, run] {
+    program.command = name;
+    program.chosen = [&program, run] { return run(program.session); };
+  });
+  return command;
+}
+
+}  // namespace ldp
+
+int main(int argc, char** argv) {
+  ldp::Interrupt interrupt;
+  ldp::Program program;
+  program.app.description("Layered depth panoramas: from one arm's-length sweep of a camera to views with parallax");
+  program.app.set_version_flag("--version", "ldp " LDP_VERSION);
+  program.app.require_subcommand(1);
+  program.session.stop = interrupt.token();
+  ldp::add_scene(program);
+  const int parsed = ldp::parse(program, argc, argv);
+  if (!program.chosen) return parsed;
+  const int status = ldp::run(program);
+  return interrupt.came() ? ldp::kInterrupted : status;
+}

@@ -1,0 +1,93 @@
+#include "output.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+#include "images.h"
+#include "interrupt.h"
+#include "session.h"
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path without_trailing_slash(const fs::path& path) {
+  const fs::path whole = fs::absolute(path).lexically_normal();
+  return whole.has_filename() ? whole : whole.parent_path();
+}
+
+// `shown` is the path in the user's words.
+void check_folder_takes_files(const fs::path& folder, const fs::path& shown) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    throw BadInput(shown.string() + ": its folder does not exist: create " + folder.string() + " first");
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw BadInput(shown.string() + ": cannot be written (" + std::strerror(errno) +
+                   "): choose a folder you may write to");
+  }
+}
+
+void move_tree(const fs::path& from, const fs::path& to) {
+  for (const auto& entry : fs::directory_iterator(from)) {
+    const fs::path target = to / entry.path().filename();
+    if (entry.is_directory() && fs::is_directory(target))
+      move_tree(entry.path(), target);
+    else
+      fs::rename(entry.path(), target);
+  }
+}
+
+}  // namespace
+
+void check_output_file(const fs::path& file) {
+  std::error_code error;
+  if (fs::is_directory(file, error)) throw BadInput(file.string() + ": is a folder: give the name of a file");
+  if (fs::exists(file, error) && !fs::is_regular_file(file, error)) return;  // a pipe or device
+  check_folder_takes_files(without_trailing_slash(file).parent_path(), file);
+}
+
+void write_text(const fs::path& file, const std::string& text) {
+  write_file(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+OutputFolder::OutputFolder(const fs::path& folder, Existing existing) : final_(without_trailing_slash(folder)) {
+  std::error_code error;
+  if (fs::exists(final_, error)) {
+    if (!fs::is_directory(final_, error)) throw BadInput(folder.string() + ": is a file: give the name of a folder");
+    if (::access(final_.c_str(), W_OK | X_OK) != 0) {
+      throw BadInput(folder.string() + ": cannot be written (" + std::strerror(errno) +
+                     "): choose a folder you may write to");
+    }
+    if (existing == Existing::refuse && !fs::is_empty(final_, error)) {
+      throw BadInput(folder.string() + ": is there already and not empty: choose another name or remove it");
+    }
+  }
+  check_folder_takes_files(final_.parent_path(), folder);
+  std::string name = ".";
+  name += final_.filename().string() + ".partial-" + std::to_string(::getpid());
+  partial_ = final_.parent_path() / name;
+  temporary_ = std::make_unique<Temporary>(partial_);
+  if (!fs::create_directory(partial_, error) && error) {
+    throw BadInput(folder.string() + ": cannot be created (" + error.message() + "): choose a folder you may write to");
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code ignored;
+  fs::remove_all(partial_, ignored);
+}
+
+void OutputFolder::keep() {
+  std::error_code error;
+  if (!fs::exists(final_, error) || fs::is_empty(final_, error))
+    fs::rename(partial_, final_);
+  else
+    move_tree(partial_, final_);
+}
+
+}  // namespace ldp

@@ -1,0 +1,37 @@
+// Where results go: checked before the work begins, complete or absent afterwards.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace ldp {
+
+class Temporary;
+
+// Throws BadInput when `file` could not be written: its folder is missing or read-only, or it is a folder itself.
+void check_output_file(const std::filesystem::path& file);
+
+// Writes a whole text file (atomic).
+void write_text(const std::filesystem::path& file, const std::string& text);
+
+// A folder of results, filled under a temporary name next to its own. `keep` makes it appear: a new folder by one
+// rename; into a folder that exists, file by file. Without `keep` nothing is left.
+class OutputFolder {
+ public:
+  enum class Existing { refuse, merge };  // refuse: an existing folder must be empty
+
+  OutputFolder(const std::filesystem::path& folder, Existing existing);  // throws BadInput
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  const std::filesystem::path& path() const { return partial_; }
+  void keep();
+
+ private:
+  std::filesystem::path final_, partial_;
+  std::unique_ptr<Temporary> temporary_;
+};
+
+}  // namespace ldp
