@@ -25,11 +25,14 @@ struct Exif {
 
 bool is_jpeg(std::span<const uint8_t> bytes);
 bool is_png(std::span<const uint8_t> bytes);
+bool is_webp(std::span<const uint8_t> bytes);
 
 ImageSize jpeg_size(std::span<const uint8_t> bytes, const std::string& name);
 ImageSize png_size(std::span<const uint8_t> bytes, const std::string& name);
+ImageSize webp_size(std::span<const uint8_t> bytes, const std::string& name);
 ScaledImage decode_jpeg(std::span<const uint8_t> bytes, const std::string& name, int64_t max_pixels);
 ScaledImage decode_png(std::span<const uint8_t> bytes, const std::string& name, int64_t max_pixels);
+ScaledImage decode_webp(std::span<const uint8_t> bytes, const std::string& name, int64_t max_pixels);
 
 Exif read_exif(std::span<const uint8_t> jpeg, ImageSize size);
 

@@ -8,10 +8,15 @@
 namespace ldp {
 namespace {
 
+[[noreturn]] void refuse_content(const std::string& name) {
+  throw std::runtime_error(name + ": neither a JPEG nor a PNG nor a WebP file");
+}
+
 ScaledImage decode(std::span<const uint8_t> bytes, const std::string& name, int64_t max_pixels) {
   if (is_jpeg(bytes)) return decode_jpeg(bytes, name, max_pixels);
   if (is_png(bytes)) return decode_png(bytes, name, max_pixels);
-  throw std::runtime_error(name + ": neither a JPEG nor a PNG file");
+  if (is_webp(bytes)) return decode_webp(bytes, name, max_pixels);
+  refuse_content(name);
 }
 
 bool swaps_sides(int orientation) { return orientation >= 5; }
@@ -65,7 +70,8 @@ RgbImage decode_image(std::span<const uint8_t> bytes, const std::string& name, i
 ImageSize image_size(std::span<const uint8_t> bytes, const std::string& name) {
   if (is_jpeg(bytes)) return jpeg_size(bytes, name);
   if (is_png(bytes)) return png_size(bytes, name);
-  throw std::runtime_error(name + ": neither a JPEG nor a PNG file");
+  if (is_webp(bytes)) return webp_size(bytes, name);
+  refuse_content(name);
 }
 
 Photo read_photo(const std::filesystem::path& file, int64_t max_pixels) {

@@ -1,9 +1,9 @@
-// Image files: JPEG through libjpeg-turbo, PNG through libpng, EXIF through libexif, PFM. The one place that includes
-// those libraries.
+// Image files: JPEG through libjpeg-turbo, PNG through libpng, WebP through libwebp, EXIF through libexif, PFM. The one
+// place that includes those libraries.
 //
-// Errors: std::runtime_error naming the file and what is wrong with it. A JPEG or PNG that ends early or is damaged is
-// an error, not a grey area in the picture. Limits are checked before anything is allocated. Transparency of PNG files
-// is dropped, 16-bit samples are rounded to 8.
+// Errors: std::runtime_error naming the file and what is wrong with it. An image that ends early or is damaged is
+// an error, not a grey area in the picture. Limits are checked before anything is allocated. Transparency is
+// dropped, 16-bit samples are rounded to 8.
 #pragma once
 
 #include <cstdint>
@@ -32,12 +32,12 @@ struct Photo {
   double scale = 1;                  // image pixels per stored pixel: an image position times 1 / scale is a stored one
 };
 
-// By content: .jpg or .png. EXIF orientation applied.
+// By content: JPEG, PNG or WebP. EXIF orientation applied.
 RgbImage read_image(const std::filesystem::path& file);
 
 // With at most max_pixels pixels, so that a 40-megapixel photo can be worked on in little memory: JPEG is decoded at
-// the largest of 8/8, 7/8 ... 1/8 of its size that fits, PNG averaged over the smallest squares that fit; what is still
-// too large is refused. scale says which.
+// the largest of 8/8, 7/8 ... 1/8 of its size that fits, PNG averaged over the smallest squares that fit (WebP as it
+// is); what is still too large is refused. scale says which.
 Photo read_photo(const std::filesystem::path& file, int64_t max_pixels = kMaxImagePixels);
 
 // Header only, EXIF orientation applied.
@@ -61,6 +61,9 @@ std::vector<uint8_t> encode_png(const RgbImage& image);
 std::vector<uint8_t> encode_png(const RgbImage& image, const Plane<uint8_t>& alpha);
 std::vector<uint8_t> encode_png(const Plane<uint8_t>& grey);
 std::vector<uint8_t> encode_png(const Plane<uint16_t>& grey);
+constexpr int kMaxWebpSide = 16383;
+std::vector<uint8_t> encode_webp(const RgbImage& image, int quality);  // quality 1 .. 100, 4:2:0
+std::vector<uint8_t> encode_webp_lossless(const RgbImage& image);
 std::vector<uint8_t> encode_pfm(const Plane<float>& values);  // one channel, little-endian, rows bottom to top
 Plane<float> decode_pfm(std::span<const uint8_t> bytes, const std::string& name_for_errors);
 

@@ -112,6 +112,22 @@ TEST(Png, EveryEarlyEndIsAnErrorThatNamesTheFile) {
         << length;
 }
 
+TEST(Webp, IsExactWithoutLossAndCloseWithLoss) {
+  const RgbImage image = some_image(160, 121);
+  EXPECT_EQ(decode_image(encode_webp_lossless(image), "a"), image);
+  EXPECT_EQ(image_size(encode_webp(image, 80), "a"), (ImageSize{160, 121}));
+  EXPECT_LT(rms(decode_image(encode_webp(image, 80), "a"), image), 6);
+}
+
+TEST(Webp, EveryEarlyEndIsAnErrorThatNamesTheFile) {
+  for (const std::vector<uint8_t>& bytes :
+       {encode_webp(some_image(64, 48), 80), encode_webp_lossless(some_image(64, 48))})
+    for (size_t length = 0; length + 1 < bytes.size(); ++length)
+      ASSERT_THAT(message_of([&] { decode_image(std::span(bytes).first(length), "leaf.webp"); }),
+                  HasSubstr("leaf.webp: "))
+          << length;
+}
+
 TEST(Images, RandomDamageNeverDoesMoreThanThrow) {
   std::mt19937 random(11);
   for (std::vector<uint8_t> sound : {encode_jpeg(some_image(40, 30), 80), encode_png(some_image(40, 30))})
@@ -130,7 +146,8 @@ TEST(Images, RandomDamageNeverDoesMoreThanThrow) {
 
 TEST(Images, SomethingElseIsNamedAsSuch) {
   const std::vector<uint8_t> text = {'h', 'e', 'l', 'l', 'o'};
-  EXPECT_EQ(message_of([&] { decode_image(text, "notes.txt"); }), "notes.txt: neither a JPEG nor a PNG file");
+  EXPECT_EQ(message_of([&] { decode_image(text, "notes.txt"); }),
+            "notes.txt: neither a JPEG nor a PNG nor a WebP file");
 }
 
 TEST(Images, ASizeBeyondTheLimitsIsRefusedBeforeAnythingIsAllocated) {

@@ -1,0 +1,327 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "crc32c.h"
+#include "ldp_file.h"
+#include "range_coder.h"
+#include "synthetic_panorama.h"
+
+namespace ldp {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr LdpEncodeOptions kLossless{101, LdpCodec::none};
+
+std::string refusal(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const LdpError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+void expect_same(const LayeredPanorama& a, const LayeredPanorama& b) {
+  EXPECT_EQ(a.layers, b.layers);
+  EXPECT_EQ(a.quality, b.quality);
+  EXPECT_EQ(a.metadata, b.metadata);
+  EXPECT_EQ(a.grid.width, b.grid.width);
+  EXPECT_EQ(a.grid.rays, b.grid.rays);
+  EXPECT_EQ(a.grid.wraps, b.grid.wraps);
+  EXPECT_EQ(a.grid.arc.closed, b.grid.arc.closed);
+  EXPECT_EQ(a.grid.arc.centre, b.grid.arc.centre);
+  EXPECT_EQ(a.grid.arc.theta_end, b.grid.arc.theta_end);
+  EXPECT_EQ(a.grid.theta_pitch, b.grid.theta_pitch);
+  EXPECT_EQ(a.grid.v_top, b.grid.v_top);
+  EXPECT_EQ(a.grid.w_near, b.grid.w_near);
+  EXPECT_EQ(a.limits.outer_radius, b.limits.outer_radius);
+  ASSERT_EQ(a.cameras.size(), b.cameras.size());
+  for (size_t i = 0; i < a.cameras.size(); ++i) {
+    EXPECT_EQ(a.cameras[i].name, b.cameras[i].name);
+    EXPECT_EQ(a.cameras[i].intrinsics.k2, b.cameras[i].intrinsics.k2);
+    EXPECT_EQ(a.cameras[i].pose.centre, b.cameras[i].pose.centre);
+  }
+}
+
+// The file with its checksums made right again, as a careful forger would.
+void seal(std::vector<uint8_t>& file) {
+  const auto u32 = [&](size_t at) {
+    return uint32_t{file[at]} | uint32_t{file[at + 1]} << 8 | uint32_t{file[at + 2]} << 16 |
+           uint32_t{file[at + 3]} << 24;
+  };
+  const auto put = [&](size_t at, uint32_t value) {
+    for (size_t i = 0; i < 4; ++i) file[at + i] = static_cast<uint8_t>(value >> (8 * i));
+  };
+  const std::span<const uint8_t> all(file);
+  const size_t count = u32(12);
+  for (size_t i = 0; i < count; ++i)
+    put(32 + 32 * i + 24, crc32c(all.subspan(u32(32 + 32 * i + 8), u32(32 + 32 * i + 16))));
+  put(24, crc32c(all.subspan(32, 32 * count)));
+  put(28, crc32c(all.first(28)));
+}
+
+TEST(Crc32c, KnownAnswers) {
+  const std::string digits = "123456789";
+  EXPECT_EQ(crc32c({reinterpret_cast<const uint8_t*>(digits.data()), digits.size()}), 0xE3069283U);
+  EXPECT_EQ(crc32c(std::vector<uint8_t>(32, 0)), 0x8A9136AAU);
+  EXPECT_EQ(crc32c(std::vector<uint8_t>(32, 0xFF)), 0x62A8AB43U);
+  EXPECT_EQ(crc32c({}), 0U);
+}
+
+TEST(RangeCoder, GivesBackEveryDecisionAndUsesEveryByte) {
+  std::mt19937 random(5);
+  for (const uint32_t ones_in_1000 : {0U, 1U, 30U, 500U, 970U, 1000U}) {
+    std::vector<bool> bits(20000);
+    for (auto&& bit : bits) bit = random() % 1000 < ones_in_1000;
+    std::array<BitModel, 3> models;
+    RangeEncoder encoder;
+    for (size_t i = 0; i < bits.size(); ++i) encoder.bit(models[i % 3], bits[i]);
+    const std::vector<uint8_t> bytes = encoder.finish();
+    models = {};
+    RangeDecoder decoder(bytes);
+    for (size_t i = 0; i < bits.size(); ++i) ASSERT_EQ(decoder.bit(models[i % 3]), bits[i]) << i;
+    EXPECT_EQ(decoder.bytes_left(), 0u);
+    EXPECT_EQ(decoder.bytes_missing(), 0u);
+    const double p = ones_in_1000 / 1000.0;
+    const double entropy = p > 0 && p < 1 ? -p * std::log2(p) - (1 - p) * std::log2(1 - p) : 0;
+    EXPECT_LT(8.0 * static_cast<double>(bytes.size()), 20000 * (1.03 * entropy + 0.004) + 64);
+  }
+}
+
+TEST(LdpFile, DecodingGivesBackWhatWasEncoded) {
+  for (const int block_px : {0, 8, 16, 24, 5})
+    for (const bool alpha : {false, true}) {
+      SyntheticOptions options;
+      options.block_px = block_px;
+      options.alpha = alpha;
+      options.rays = alpha ? Rays::central : Rays::pushbroom;
+      options.wraps = alpha;
+      options.width = 611 + block_px;
+      const LayeredPanorama panorama = synthetic_panorama(options);
+      const std::vector<uint8_t> file = encode_ldp(panorama, kLossless);
+      expect_same(decode_ldp(file), panorama);
+      EXPECT_THAT(verify_ldp(file), ::testing::IsEmpty());
+    }
+}
+
+TEST(LdpFile, NoiseAndOddSizesSurvive) {
+  std::mt19937 random(17);
+  for (int round = 0; round < 60; ++round) {
+    SyntheticOptions options;
+    options.width = 1 + static_cast<int>(random() % 70);
+    options.height = 1 + static_cast<int>(random() % 40);
+    options.layers = 2;
+    LayeredPanorama panorama = synthetic_panorama(options);
+    for (Layer& layer : panorama.layers) {
+      DisparityMap disparity(options.width, options.height, kNoDisparity);
+      const auto present_in_10 = random() % 11;
+      for (size_t i = 0; i < disparity.samples.size(); ++i) {
+        layer.coverage.samples[i] = random() % 10 < present_in_10;
+        layer.colour.samples[i] = {};
+        if (layer.coverage.samples[i]) disparity.samples[i] = static_cast<uint16_t>(random() % (kDisparitySteps + 1));
+      }
+      layer.depth = encode_depth(disparity, static_cast<int>(random() % 20));
+    }
+    expect_same(decode_ldp(encode_ldp(panorama, kLossless)), panorama);
+  }
+}
+
+TEST(LdpFile, LossyColourIsCloseAndDepthStaysExact) {
+  const LayeredPanorama panorama = synthetic_panorama({});
+  for (const LdpCodec codec : {LdpCodec::jpeg, LdpCodec::webp}) {
+    const LayeredPanorama back = decode_ldp(encode_ldp(panorama, {92, codec}));
+    for (size_t l = 0; l < 3; ++l) {
+      EXPECT_EQ(back.layers[l].depth, panorama.layers[l].depth);
+      EXPECT_EQ(back.layers[l].coverage, panorama.layers[l].coverage);
+      double sum = 0, count = 0;
+      for (size_t i = 0; i < back.layers[l].colour.samples.size(); ++i) {
+        if (!back.layers[l].coverage.samples[i]) {
+          EXPECT_EQ(back.layers[l].colour.samples[i], (Rgb{0, 0, 0}));
+          continue;
+        }
+        sum += std::pow(back.layers[l].colour.samples[i].g - panorama.layers[l].colour.samples[i].g, 2);
+        ++count;
+      }
+      EXPECT_LT(std::sqrt(sum / count), 4) << static_cast<int>(codec) << " layer " << l;
+    }
+  }
+}
+
+TEST(LdpFile, BytesDoNotDependOnThreads) {
+  SyntheticOptions options;
+  options.width = 1500;
+  options.block_px = 16;
+  const LayeredPanorama panorama = synthetic_panorama(options);
+  Job four;
+  four.threads = 4;
+  EXPECT_EQ(encode_ldp(panorama, {}, four), encode_ldp(panorama, {}));
+  EXPECT_EQ(decode_ldp(encode_ldp(panorama, {}), {}, four).layers, decode_ldp(encode_ldp(panorama, {})).layers);
+}
+
+TEST(LdpReader, PartsEqualTheWhole) {
+  SyntheticOptions options;
+  options.width = 1400;
+  options.block_px = 12;
+  options.alpha = true;
+  const LayeredPanorama panorama = synthetic_panorama(options);
+  const std::vector<uint8_t> file = encode_ldp(panorama, kLossless);
+  const LdpReader reader(file);
+  for (const LdpColumns columns : {LdpColumns{0, 1}, LdpColumns{480, 540}, LdpColumns{516, 1400}}) {
+    const Layer part = reader.read_layer(1, columns, true);
+    const Layer& whole = panorama.layers[1];
+    for (int y = 0; y < options.height; ++y)
+      for (int x = columns.begin; x < columns.end; ++x) {
+        const int px = x - columns.begin;
+        ASSERT_EQ(part.coverage.at(px, y), whole.coverage.at(x, y));
+        ASSERT_EQ(part.depth.disparity(px, y), whole.depth.disparity(x, y));
+        ASSERT_EQ(part.alpha.at(px, y), whole.alpha.at(x, y));
+        ASSERT_EQ(part.colour.at(px, y), whole.colour.at(x, y));
+      }
+  }
+  EXPECT_TRUE(reader.read_layer(0, {0, 120}, false).colour.empty());
+  EXPECT_THROW(reader.read_layer(0, {5, 120}, false), std::logic_error);
+  EXPECT_THROW(reader.read_layer(3), std::logic_error);
+}
+
+TEST(LdpReader, DamageInOneStripLeavesTheOthersReadable) {
+  SyntheticOptions options;
+  options.width = 1100;
+  std::vector<uint8_t> file = encode_ldp(synthetic_panorama(options), kLossless);
+  for (const LdpChunk& chunk : describe_ldp(file).chunks)
+    if (chunk.type == "DPTH" && chunk.layer == 0 && chunk.strip == 1) file[chunk.offset + chunk.length / 2] ^= 1;
+  const LdpReader reader(file);
+  EXPECT_NO_THROW(reader.read_layer(0, {0, 512}, true));
+  EXPECT_NO_THROW(reader.read_layer(1));
+  EXPECT_THAT(refusal([&] { reader.read_layer(0); }), HasSubstr("chunk DPTH of layer 1, strip 2 at offset "));
+}
+
+TEST(LdpDescription, TellsWhatIsThereWithoutDecoding) {
+  SyntheticOptions options;
+  options.block_px = 8;
+  const LayeredPanorama panorama = synthetic_panorama(options);
+  const std::vector<uint8_t> file = encode_ldp(panorama, {});
+  const LdpDescription description = describe_ldp(file);
+  EXPECT_EQ(description.version, kLdpVersion);
+  EXPECT_EQ(description.file_bytes, file.size());
+  ASSERT_EQ(description.layers.size(), 3u);
+  EXPECT_EQ(description.layers[0].present_pixels, 200u * 90u);
+  EXPECT_EQ(description.layers[1].block_px, 8);
+  EXPECT_EQ(description.panorama.cameras.size(), 3u);
+  EXPECT_EQ(description.thumbnail[0], 0xFF);
+  uint64_t sum = 32 + 32 * description.chunks.size();
+  for (const LdpChunk& chunk : description.chunks) sum += chunk.length;
+  EXPECT_EQ(sum, file.size());
+}
+
+TEST(LdpErrors, EveryTruncationIsRefused) {
+  const std::vector<uint8_t> file = encode_ldp(synthetic_panorama({64, 48}), {});
+  for (size_t length = 0; length < file.size(); ++length)
+    ASSERT_NE(refusal([&] { decode_ldp(std::span(file).first(length)); }), "accepted") << length;
+}
+
+TEST(LdpErrors, EveryByteThatIsFlippedIsNoticed) {
+  std::mt19937 random(23);
+  const std::vector<uint8_t> file = encode_ldp(synthetic_panorama({64, 48}), {});
+  for (size_t i = 0; i < file.size(); ++i) {
+    std::vector<uint8_t> damaged = file;
+    damaged[i] ^= static_cast<uint8_t>(1 + random() % 255);
+    ASSERT_NE(refusal([&] { decode_ldp(damaged); }), "accepted") << i;
+    ASSERT_FALSE(verify_ldp(damaged).empty());
+  }
+}
+
+TEST(LdpErrors, DamageBehindRightChecksumsIsRefusedOrDecodesToSomethingLawful) {
+  std::mt19937 random(29);
+  SyntheticOptions options{64, 48};
+  options.block_px = 8;
+  options.alpha = true;
+  const std::vector<uint8_t> file = encode_ldp(synthetic_panorama(options), {});
+  const size_t head_end = describe_ldp(file).chunks[0].offset + 8;
+  int decoded = 0;
+  for (int i = 0; i < 4000; ++i) {
+    std::vector<uint8_t> damaged = file;
+    for (auto flips = 1 + random() % 3; flips > 0; --flips)
+      damaged[head_end + random() % (file.size() - head_end)] ^= static_cast<uint8_t>(1 + random() % 255);
+    seal(damaged);
+    decoded += refusal([&] { decode_ldp(damaged, {1 << 16}); }) == "accepted";
+  }
+  EXPECT_GT(decoded, 0) << "the test never got past the first checks";
+}
+
+TEST(LdpErrors, AreClearWords) {
+  const std::vector<uint8_t> file = encode_ldp(synthetic_panorama({64, 48}), {});
+  const auto with = [&](size_t at, std::vector<uint8_t> bytes, bool sealed) {
+    std::vector<uint8_t> damaged = file;
+    std::copy(bytes.begin(), bytes.end(), damaged.begin() + static_cast<std::ptrdiff_t>(at));
+    if (sealed) seal(damaged);
+    return refusal([&] { decode_ldp(damaged); });
+  };
+  EXPECT_EQ(with(0, {'P'}, false), "header at offset 0: not an .ldp file");
+  EXPECT_EQ(with(4, {'\n'}, false),
+            "header at offset 0: the file was changed on its way: it must be transferred as binary, not as text");
+  EXPECT_EQ(with(8, {2}, true), "header at offset 0: version: expected 1, found 2 (a newer program may read it)");
+  const auto head = describe_ldp(file).chunks[0].offset;
+  const std::string where = "chunk HEAD at offset " + std::to_string(head);
+  EXPECT_EQ(with(head, {0xFF, 0xFF, 0, 0, 0xFF, 0x3F, 0, 0}, true),
+            where + ": height: expected 1 to 16368, found 16383");
+  EXPECT_EQ(with(head, {0xFF, 0xFF, 0, 0, 0xF0, 0x3F, 0, 0}, true),
+            where + ": width x height: expected at most 268435456, found 1072676880");
+  EXPECT_THAT(with(head, {0, 0, 0, 0x80, 1, 0, 0, 0}, true),
+              HasSubstr(where + ": width: expected 1 to 65535, found 2147483648"));
+  EXPECT_THAT(with(head + 9, {7}, true), HasSubstr(where + ": kind of rays: expected 0 to 1, found 7"));
+  EXPECT_THAT(with(head + 40, {1}, false), HasSubstr(where + ": checksum: expected 0x"));
+  EXPECT_THAT(with(32, {'H', 'E', 'A', 'T'}, true), HasSubstr("chunk HEAT at offset"));
+  EXPECT_THAT(refusal([&] { decode_ldp(file, {1000}); }),
+              HasSubstr("width x height: expected at most 1000, found 3072"));
+}
+
+TEST(LdpErrors, UnknownChunksAreSkippedUnlessTheyAreNeeded) {
+  std::vector<uint8_t> file = encode_ldp(synthetic_panorama({64, 48}), {});
+  const LdpDescription description = describe_ldp(file);
+  for (size_t i = 0; i < description.chunks.size(); ++i) {
+    if (description.chunks[i].type != "qual") continue;
+    file[32 + 32 * i] = 'x';
+    seal(file);
+    EXPECT_EQ(refusal([&] { decode_ldp(file); }), "accepted");
+    EXPECT_TRUE(decode_ldp(file).quality.empty());
+    file[32 + 32 * i] = 'X';
+    seal(file);
+    EXPECT_THAT(refusal([&] { decode_ldp(file); }), HasSubstr("needed to read the file, but unknown"));
+  }
+}
+
+TEST(LdpEncoder, RefusesWhatItCouldNotGiveBack) {
+  const LayeredPanorama sound = synthetic_panorama({64, 48});
+  const auto refuses = [&](const std::function<void(LayeredPanorama&)>& spoil) {
+    LayeredPanorama panorama = sound;
+    spoil(panorama);
+    EXPECT_THROW(encode_ldp(panorama, {}), std::logic_error);
+  };
+  refuses([](LayeredPanorama& p) { p.layers.clear(); });
+  refuses([](LayeredPanorama& p) { p.layers[0].coverage.at(3, 3) = 2; });
+  refuses([](LayeredPanorama& p) { p.layers[0].depth.codes.at(3, 3) = 16; });
+  refuses([](LayeredPanorama& p) { p.layers[1].coverage.samples.assign(p.layers[1].coverage.samples.size(), 0); });
+  refuses([](LayeredPanorama& p) { p.layers[0].depth.ranges.samples[0] = {9, 3}; });
+  refuses([](LayeredPanorama& p) { p.layers[0].colour = RgbImage(3, 3); });
+  EXPECT_THROW(encode_ldp(sound, {0, LdpCodec::none}), std::logic_error);
+  EXPECT_THROW(encode_ldp(sound, {101, LdpCodec::jpeg}), std::logic_error);
+  LayeredPanorama broken = sound;
+  broken.grid.v_pitch = std::nan("");
+  EXPECT_THROW(encode_ldp(broken, {}), std::runtime_error);
+}
+
+TEST(LdpEncoder, StopsWhenTheJobIsStopped) {
+  std::stop_source source;
+  source.request_stop();
+  Job job;
+  job.stop = source.get_token();
+  EXPECT_THROW(encode_ldp(synthetic_panorama({}), {}, job), Cancelled);
+}
+
+}  // namespace
+}  // namespace ldp
