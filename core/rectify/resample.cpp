@@ -1,5 +1,7 @@
 #include "resample.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -5,6 +5,9 @@
 #include <cstddef>
 #include <utility>
 
+// Vectors never cross a call that is not inlined, so how they would be passed does not matter.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace ldp::kernels {
 namespace {
 
@@ -50,7 +53,7 @@ constexpr std::array<Swap, 12> kSort6 = {
 constexpr std::array<Swap, 16> kSort7 = {{{0, 6}, {2, 3}, {4, 5}, {0, 2}, {1, 4}, {3, 6}, {0, 1}, {2, 5}, {3, 4}, {1, 2}, {4, 6}, {2, 3}, {4, 5}, {1, 2}, {3, 4}, {5, 6}}};
 constexpr std::array<Swap, 19> kSort8 = {{{0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}, {0, 1}, {2, 3}, {4, 5}, {6, 7}, {2, 4}, {3, 5}, {1, 4}, {3, 6}, {1, 2}, {3, 4}, {5, 6}}};
 
-template <int N>
+template <size_t N>
 constexpr const auto& network() {
   if constexpr (N == 2) return kSort2;
   else if constexpr (N == 3) return kSort3;
@@ -61,7 +64,7 @@ constexpr const auto& network() {
   else return kSort8;
 }
 
-template <int N>
+template <size_t N>
 void sort(std::array<Lanes, N>& s) {
   if constexpr (N >= 2) {
     const auto swap = [&](const Swap pair) {
@@ -76,7 +79,7 @@ void sort(std::array<Lanes, N>& s) {
 
 Lanes average(const Lanes& a, const Lanes& b) { return (a | b) - ((a ^ b) >> 1); }  // rounded up
 
-template <int N>
+template <size_t N>
 void robust_variance_of(const uint8_t* const* samples, int count, uint8_t* phi, uint8_t* median) {
   for (int i = 0; i < count; i += kLanes) {
     std::array<Lanes, N> raw, s;
@@ -92,7 +95,7 @@ void robust_variance_of(const uint8_t* const* samples, int count, uint8_t* phi, 
 }
 
 // The element of rank (seen - 1) / 2 plus that of rank seen / 2, of sorted values; seen is per lane.
-template <int N>
+template <size_t N>
 std::pair<Lanes, Lanes> middle_pair(const std::array<Lanes, N>& sorted, const Lanes& seen) {
   Lanes low = sorted[0], high = sorted[0];
   for (size_t rank = 1; rank < N; ++rank) {
@@ -103,13 +106,13 @@ std::pair<Lanes, Lanes> middle_pair(const std::array<Lanes, N>& sorted, const La
   return {low, high};
 }
 
-template <int N>
+template <size_t N>
 void masked_robust_variance_of(const uint8_t* const* samples, const uint8_t* const* masks, int prior, int count, uint8_t* phi,
                                uint8_t* median) {
-  const Lanes none = Lanes{} + 255;
+  const Lanes none = Lanes{} + uint8_t{255};
   for (int i = 0; i < count; i += kLanes) {
     std::array<Lanes, N> raw, hidden, s;
-    Lanes seen = Lanes{} + N;
+    Lanes seen = Lanes{} + uint8_t{N};
     for (size_t k = 0; k < N; ++k) {
       hidden[k] = ~load<Lanes>(masks[k] + i);
       s[k] = raw[k] = load<Lanes>(samples[k] + i) | hidden[k];  // hidden samples sort to the end
@@ -117,7 +120,7 @@ void masked_robust_variance_of(const uint8_t* const* samples, const uint8_t* con
     }
     sort<N>(s);
     const auto [low, high] = middle_pair<N>(s, seen);
-    const Lanes middle = seen == 0 ? Lanes{} + 128 : (seen == 1 ? low : average(low, high));
+    const Lanes middle = seen == 0 ? Lanes{} + uint8_t{128} : (seen == 1 ? low : average(low, high));
     for (size_t k = 0; k < N; ++k) s[k] = (larger(raw[k], middle) - smaller(raw[k], middle)) | hidden[k];
     sort<N>(s);
     const auto [near, far] = middle_pair<N>(s, seen);
