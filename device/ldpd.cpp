@@ -6,7 +6,7 @@
 
 #include "config.h"
 #include "log.h"
-#include "session.h"
+#include "capture_session.h"
 
 namespace {
 
@@ -60,7 +60,7 @@ int serve(const Arguments& arguments) {
   if (!read_configuration(arguments, config)) return kBadConfiguration;
   if (arguments.print_config) std::fputs(ldp::config_text(config).c_str(), stdout);
   if (arguments.print_config || arguments.check_config) return 0;
-  ldp::Session session(config, arguments.once ? ldp::Run::once : ldp::Run::service);
+  ldp::CaptureSession session(config, arguments.once ? ldp::Run::once : ldp::Run::service);
   return session.run();
 }
 

@@ -1,4 +1,4 @@
-#include "session.h"
+#include "capture_session.h"
 
 #include <poll.h>
 #include <sys/signalfd.h>
@@ -35,7 +35,7 @@ std::filesystem::path program_beside_us() {
 
 }  // namespace
 
-Session::Session(Config config, Run run) : config_(std::move(config)), run_(run), store_(config_.output) {
+CaptureSession::CaptureSession(Config config, Run run) : config_(std::move(config)), run_(run), store_(config_.output) {
   sigset_t wanted;
   sigemptyset(&wanted);
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&wanted, signal);
@@ -56,11 +56,11 @@ Session::Session(Config config, Run run) : config_(std::move(config)), run_(run)
   open_button_again(monotonic_now_ns());
 }
 
-Session::~Session() { ::pthread_sigmask(SIG_SETMASK, &signals_before_, nullptr); }
+CaptureSession::~CaptureSession() { ::pthread_sigmask(SIG_SETMASK, &signals_before_, nullptr); }
 
 // --- the loop --------------------------------------------------------------------------------------------------------
 
-int Session::run() {
+int CaptureSession::run() {
   say("ready");
   notice_.ready();
   while (!stopping_) turn();
@@ -68,7 +68,7 @@ int Session::run() {
   return exit_status_;
 }
 
-void Session::turn() {
+void CaptureSession::turn() {
   std::vector<Watch> watched = watches();
   std::vector<pollfd> entries;
   for (const Watch& watch : watched) entries.push_back({watch.fd, POLLIN, 0});
@@ -88,7 +88,7 @@ void Session::turn() {
   notice_.feed_watchdog(now_ns);
 }
 
-std::vector<Session::Watch> Session::watches() {
+std::vector<CaptureSession::Watch> CaptureSession::watches() {
   std::vector<Watch> watched;
   const auto add = [&](int fd, std::function<void()> serve) {
     if (fd >= 0) watched.push_back({fd, std::move(serve)});
@@ -110,7 +110,7 @@ std::vector<Session::Watch> Session::watches() {
   return watched;
 }
 
-int64_t Session::next_deadline_ns() const {
+int64_t CaptureSession::next_deadline_ns() const {
   int64_t deadline_ns = next_tick_ns_;
   if (sweep_) deadline_ns = std::min(deadline_ns, sweep_->deadline_ns());
   if (pressed_since_ns_) deadline_ns = std::min(deadline_ns, *pressed_since_ns_ + kLongPress_ns);
@@ -118,7 +118,7 @@ int64_t Session::next_deadline_ns() const {
   return deadline_ns;
 }
 
-void Session::check_deadlines(int64_t now_ns) {
+void CaptureSession::check_deadlines(int64_t now_ns) {
   if (pressed_since_ns_ && now_ns >= *pressed_since_ns_ + kLongPress_ns) {
     pressed_since_ns_.reset();
     handle(Event::long_press, "cancelled: the button was held for 3 s");
@@ -142,7 +142,7 @@ void Session::check_deadlines(int64_t now_ns) {
 
 // --- events and actions ----------------------------------------------------------------------------------------------
 
-void Session::handle(Event event, const std::string& why) {
+void CaptureSession::handle(Event event, const std::string& why) {
   const Transition transition = next(phase_, event, config_.mode);
   const bool changed = transition.phase != phase_;
   phase_ = transition.phase;
@@ -156,7 +156,7 @@ void Session::handle(Event event, const std::string& why) {
   }
 }
 
-void Session::perform(Action action, const std::string& why) {
+void CaptureSession::perform(Action action, const std::string& why) {
   switch (action) {
     case Action::none:
       return;
@@ -179,7 +179,7 @@ void Session::perform(Action action, const std::string& why) {
   }
 }
 
-void Session::begin_sweep() {
+void CaptureSession::begin_sweep() {
   frames_stored_ = 0;
   capture_.clear();
   storage_problem_.clear();
@@ -201,7 +201,7 @@ void Session::begin_sweep() {
   }
 }
 
-void Session::end_sweep(const std::string& why, bool complete) {
+void CaptureSession::end_sweep(const std::string& why, bool complete) {
   sweep_end_ns_ = monotonic_now_ns();
   try {
     if (sweep_) sweep_->end(why, complete);
@@ -213,7 +213,7 @@ void Session::end_sweep(const std::string& why, bool complete) {
   say(why + "; storing");
 }
 
-void Session::abandon_sweep() {
+void CaptureSession::abandon_sweep() {
   sweep_.reset();
   while (writer_.pending() > 0) {  // the writer must not write into a folder that is being removed
     pollfd entry{writer_.fd(), POLLIN, 0};
@@ -228,7 +228,7 @@ void Session::abandon_sweep() {
 }
 
 // The last frame is on disk: on to the build.
-void Session::continue_after_sweep() {
+void CaptureSession::continue_after_sweep() {
   sweep_closing_ = false;
   if (phase_ != Phase::building) return;
   if (frames_stored_ < config_.min_frames) {
@@ -246,7 +246,7 @@ void Session::continue_after_sweep() {
   start_build();
 }
 
-BuildCommand Session::build_command() const {
+BuildCommand CaptureSession::build_command() const {
   BuildCommand command;
   command.program = config_.program.empty() ? program_beside_us() : std::filesystem::path(config_.program);
   command.niceness = config_.niceness;
@@ -263,7 +263,7 @@ BuildCommand Session::build_command() const {
   return command;
 }
 
-void Session::start_build() {
+void CaptureSession::start_build() {
   const bool unfinished = capture_ != backlog_.front();
   capture_ = backlog_.front();
   backlog_.pop_front();
@@ -280,7 +280,7 @@ void Session::start_build() {
   }
 }
 
-void Session::stop_build(bool cancelled) {
+void CaptureSession::stop_build(bool cancelled) {
   build_.reset();
   if (sweep_closing_ || capture_.empty()) return;  // not begun yet; the frames are kept either way
   store_.clear_building();
@@ -292,7 +292,7 @@ void Session::stop_build(bool cancelled) {
   if (cancelled) say("the build was cancelled; the frames are kept in " + capture_);
 }
 
-void Session::finish_build(const BuildEnd& end) {
+void CaptureSession::finish_build(const BuildEnd& end) {
   build_.reset();
   if (!end.ok) return fail_build(end.reason);
   try {
@@ -306,7 +306,7 @@ void Session::finish_build(const BuildEnd& end) {
   handle(Event::build_done, file + " is ready");
 }
 
-void Session::fail_build(const std::string& reason) {
+void CaptureSession::fail_build(const std::string& reason) {
   if (run_ != Run::capture_only) {
     try {
       store_.clear_building();
@@ -322,7 +322,7 @@ void Session::fail_build(const std::string& reason) {
 
 // --- what the descriptors bring --------------------------------------------------------------------------------------
 
-void Session::serve_camera() {
+void CaptureSession::serve_camera() {
   try {
     sweep_->read_frames();
   } catch (const std::exception& error) {
@@ -334,7 +334,7 @@ void Session::serve_camera() {
   publish(sweep_->guidance());
 }
 
-void Session::serve_writer() {
+void CaptureSession::serve_writer() {
   while (const auto outcome = writer_.take()) {
     if (!outcome->error.empty()) {
       if (storage_problem_.empty()) storage_problem_ = "cannot store: " + outcome->error;
@@ -349,14 +349,14 @@ void Session::serve_writer() {
   if (sweep_closing_ && writer_.pending() == 0) continue_after_sweep();
 }
 
-void Session::serve_build() {
+void CaptureSession::serve_build() {
   if (!build_) return;
   build_->read_errors();
   if (const auto progress = build_->read_progress()) publish(Progress{capture_, progress->stage, progress->fraction});
   if (const auto end = build_->end()) finish_build(*end);
 }
 
-void Session::serve_signals() {
+void CaptureSession::serve_signals() {
   signalfd_siginfo signal{};
   while (::read(signals_.get(), &signal, sizeof signal) == sizeof signal) {
     handle(Event::shutdown, "shutting down");
@@ -365,7 +365,7 @@ void Session::serve_signals() {
   }
 }
 
-void Session::serve_button() {
+void CaptureSession::serve_button() {
   try {
     while (const auto event = button_->read()) button_changed(*event);
   } catch (const std::exception& error) {
@@ -375,7 +375,7 @@ void Session::serve_button() {
   }
 }
 
-void Session::button_changed(const ButtonEvent& event) {
+void CaptureSession::button_changed(const ButtonEvent& event) {
   if (event.pressed) {
     pressed_since_ns_ = event.time_ns;
     handle(Event::press, "the sweep was ended by the button");
@@ -385,7 +385,7 @@ void Session::button_changed(const ButtonEvent& event) {
   }
 }
 
-void Session::obey(Command command) {
+void CaptureSession::obey(Command command) {
   switch (command) {
     case Command::press:
       return button_changed({true, monotonic_now_ns()});
@@ -398,7 +398,7 @@ void Session::obey(Command command) {
   }
 }
 
-void Session::retry_failed() {
+void CaptureSession::retry_failed() {
   if (run_ != Run::service || build_ || sweep_ || sweep_closing_) return;
   backlog_.clear();
   for (const CaptureState& capture : store_.recover()) {
@@ -411,7 +411,7 @@ void Session::retry_failed() {
 
 // --- what comes and goes ---------------------------------------------------------------------------------------------
 
-void Session::open_button_again(int64_t now_ns) {
+void CaptureSession::open_button_again(int64_t now_ns) {
   if (button_ || now_ns < next_button_try_ns_) return;
   const bool first_try = next_button_try_ns_ == 0;
   next_button_try_ns_ = now_ns + kButtonRetry_ns;
@@ -424,7 +424,7 @@ void Session::open_button_again(int64_t now_ns) {
 }
 
 // A network may come up late. Each problem is told once.
-void Session::open_statuses_again() {
+void CaptureSession::open_statuses_again() {
   std::vector<PendingStatus> still_pending;
   for (PendingStatus& pending : pending_statuses_) {
     try {
@@ -439,11 +439,11 @@ void Session::open_statuses_again() {
 
 // --- what the world is told ------------------------------------------------------------------------------------------
 
-void Session::publish(const StatusMessage& message) {
+void CaptureSession::publish(const StatusMessage& message) {
   for (const auto& status : statuses_) status->publish(message);
 }
 
-void Session::publish_status() {
+void CaptureSession::publish_status() {
   int left = 0;
   try {
     left = sweeps_left();
@@ -453,18 +453,18 @@ void Session::publish_status() {
   publish(Status{phase_, capture_, text_, frames_stored_, left});
 }
 
-void Session::say(const std::string& text) {
+void CaptureSession::say(const std::string& text) {
   if (text == text_) return;
   text_ = text;
   notice_.status(std::string(name_of(phase_)) + ": " + text);
   publish_status();
 }
 
-int Session::sweeps_left() const {
+int CaptureSession::sweeps_left() const {
   return store_.sweeps_left(uint64_t{static_cast<unsigned>(config_.reserve_mib)} << 20);
 }
 
-std::filesystem::path Session::capture_folder() const {
+std::filesystem::path CaptureSession::capture_folder() const {
   return run_ == Run::capture_only ? std::filesystem::path(config_.output) : store_.folder_of(capture_);
 }
 

@@ -29,12 +29,12 @@ enum class Run : uint8_t {
   capture_only,  // one sweep into the output folder itself, no build
 };
 
-class Session {
+class CaptureSession {
  public:
-  Session(Config config, Run run);
-  ~Session();
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
+  CaptureSession(Config config, Run run);
+  ~CaptureSession();
+  CaptureSession(const CaptureSession&) = delete;
+  CaptureSession& operator=(const CaptureSession&) = delete;
 
   // Until SIGTERM, SIGINT or the end of what was to be run once. The exit status: 0, or 1 when a single run failed.
   int run();
