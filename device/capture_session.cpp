@@ -45,6 +45,7 @@ CaptureSession::CaptureSession(Config config, Run run) : config_(std::move(confi
   for (const std::string& url : config_.status) pending_statuses_.push_back({url, {}});
   open_statuses_again();
   if (run_ != Run::service) {
+    camera_ = open_camera(config_.camera);
     button_ = open_button(config_.button);
     return;
   }
@@ -188,7 +189,7 @@ void CaptureSession::begin_sweep() {
       throw std::runtime_error(
           "no room for another sweep on the disk: 0 sweeps left; copy captures away and delete them");
     }
-    auto camera = open_camera(config_.camera);
+    auto camera = camera_ ? std::move(camera_) : open_camera(config_.camera);
     capture_ =
         run_ == Run::capture_only ? std::filesystem::path(config_.output).filename().string() : store_.create_capture();
     sweep_ = std::make_unique<Sweep>(config_, std::move(camera), capture_folder(), writer_);

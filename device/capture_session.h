@@ -90,6 +90,7 @@ class CaptureSession {
   FrameWriter writer_;
   std::vector<std::unique_ptr<StatusChannel>> statuses_;
   std::vector<PendingStatus> pending_statuses_;
+  std::unique_ptr<CameraDevice> camera_;  // opened ahead of a single sweep
   std::unique_ptr<Button> button_;
   std::unique_ptr<Sweep> sweep_;
   std::unique_ptr<BuildChild> build_;

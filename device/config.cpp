@@ -108,7 +108,8 @@ Key number_key(std::string name, std::string comment, Number Config::*field, Num
 
 Key mode_key() {
   return {
-      "sweep.mode", "hold: the sweep lasts as long as the button is held; toggle: press to begin, press to end, 3 s cancel",
+      "sweep.mode",
+      "hold: the sweep lasts as long as the button is held; toggle: press to begin, press to end, 3 s cancel",
       [](const toml::node& node, Config& config) -> std::string {
         const auto value = node.value_exact<std::string>();
         if (value != "toggle" && value != "hold") return "expected \"toggle\" or \"hold\"";

@@ -4,9 +4,9 @@
 #include <exception>
 #include <string>
 
+#include "capture_session.h"
 #include "config.h"
 #include "log.h"
-#include "capture_session.h"
 
 namespace {
 

@@ -30,10 +30,11 @@ std::unique_ptr<Device> open_by_scheme(const char* kind, const std::string& text
 }  // namespace
 
 std::unique_ptr<CameraDevice> open_camera(const std::string& url) {
-  return open_by_scheme(
-      "camera", url,
-      std::array<BackEnd<CameraDevice>, 3>{
-          {{"libcamera", open_libcamera_camera}, {"v4l2", open_v4l2_camera}, {"folder", open_folder_camera}}});
+  return open_by_scheme("camera", url,
+                        std::array<BackEnd<CameraDevice>, 4>{{{"libcamera", open_libcamera_camera},
+                                                              {"v4l2", open_v4l2_camera},
+                                                              {"folder", open_folder_camera},
+                                                              {"scene", open_scene_camera}}});
 }
 
 std::unique_ptr<Button> open_button(const std::string& url) {

@@ -2,10 +2,9 @@
 #include <cctype>
 #include <filesystem>
 
-#include "clocks.h"
 #include "devices.h"
 #include "images.h"
-#include "ticker.h"
+#include "playback_camera.h"
 
 namespace ldp {
 namespace {
@@ -29,79 +28,39 @@ std::vector<std::filesystem::path> pictures_in(const std::string& folder) {
   return files;
 }
 
-class FolderCamera final : public CameraDevice {
- public:
-  explicit FolderCamera(const Url& url) : url_(url) {
-    url.allow_only("fps hold lost_after stall_after");
-    files_ = pictures_in(url.path());
-    fps_ = url.number("fps", 30, {0.1, 1000});
-    hold_ = url.flag("hold", true);
-    lost_after_ = url.integer("lost_after", -1, {0, 1e9});
-    stall_after_ = url.integer("stall_after", -1, {0, 1e9});
-    const ImageSize size = read_image_size(files_.front());
-    mode_ = {ends_like(files_.front(), {".png"}) ? PixelFormat::rgb24 : PixelFormat::mjpeg, size.width, size.height,
-             fps_};
+CameraFrame frame_from(const std::filesystem::path& file) {
+  CameraFrame frame;
+  const ImageSize size = read_image_size(file);
+  frame.width = size.width;
+  frame.height = size.height;
+  if (ends_like(file, {".png"})) {
+    auto image = std::make_shared<const RgbImage>(read_image(file));
+    frame.format = PixelFormat::rgb24;
+    frame.planes = {{&image->samples.data()->r, image->samples.size() * sizeof(Rgb), image->width * 3}};
+    frame.lease = std::move(image);
+  } else {
+    auto bytes = std::make_shared<const std::vector<uint8_t>>(read_file(file));
+    frame.format = PixelFormat::mjpeg;
+    frame.planes = {{bytes->data(), bytes->size(), 0}};
+    frame.lease = std::move(bytes);
   }
-
-  std::string name() const override { return url_.text(); }
-  CameraMode mode() const override { return mode_; }
-  int fd() const override { return ticker_.fd(); }
-  bool lock_exposure(bool) override { return true; }
-
-  void start() override {
-    next_ = 0;
-    start_ns_ = monotonic_now_ns();
-    ticker_.start_at(start_ns_ + interval_ns(), interval_ns());
-  }
-  void stop() override { ticker_.stop(); }
-
-  std::optional<CameraFrame> read() override {
-    if (ticker_.take_expirations() == 0) return std::nullopt;
-    const int64_t index = next_;
-    if (stall_after_ >= 0 && index >= stall_after_) return std::nullopt;
-    if (lost_after_ >= 0 && index >= lost_after_) throw CameraLost("the simulated camera was unplugged");
-    const int64_t count = static_cast<int64_t>(files_.size());
-    if (index >= count && !hold_) throw CameraLost("the folder has no more frames");
-    ++next_;
-    return frame(index, files_[static_cast<size_t>(std::min(index, count - 1))]);
-  }
-
- private:
-  int64_t interval_ns() const { return static_cast<int64_t>(1e9 / fps_); }
-
-  CameraFrame frame(int64_t index, const std::filesystem::path& file) const {
-    CameraFrame result;
-    result.sequence = index;
-    result.time_ns = monotonic_now_ns();
-    const ImageSize size = read_image_size(file);
-    result.width = size.width;
-    result.height = size.height;
-    if (ends_like(file, {".png"})) {
-      auto image = std::make_shared<const RgbImage>(read_image(file));
-      result.format = PixelFormat::rgb24;
-      const size_t bytes = image->samples.size() * sizeof(Rgb);
-      result.planes = {{&image->samples.data()->r, bytes, image->width * 3}};
-      result.lease = std::move(image);
-    } else {
-      auto bytes = std::make_shared<const std::vector<uint8_t>>(read_file(file));
-      result.planes = {{bytes->data(), bytes->size(), 0}};
-      result.lease = std::move(bytes);
-    }
-    return result;
-  }
-
-  Url url_;
-  std::vector<std::filesystem::path> files_;
-  double fps_ = 30;
-  bool hold_ = true;
-  int64_t lost_after_ = -1, stall_after_ = -1;
-  CameraMode mode_;
-  Ticker ticker_;
-  int64_t next_ = 0, start_ns_ = 0;
-};
+  return frame;
+}
 
 }  // namespace
 
-std::unique_ptr<CameraDevice> open_folder_camera(const Url& url) { return std::make_unique<FolderCamera>(url); }
+std::unique_ptr<CameraDevice> open_folder_camera(const Url& url) {
+  url.allow_only(PlaybackCamera::kOptions);
+  auto files = pictures_in(url.path());
+  const ImageSize size = read_image_size(files.front());
+  Playback playback;
+  playback.name = url.text();
+  playback.format = ends_like(files.front(), {".png"}) ? PixelFormat::rgb24 : PixelFormat::mjpeg;
+  playback.width = size.width;
+  playback.height = size.height;
+  playback.count = static_cast<int64_t>(files.size());
+  playback.frame = [files = std::move(files)](int64_t index) { return frame_from(files[static_cast<size_t>(index)]); };
+  return std::make_unique<PlaybackCamera>(url, std::move(playback));
+}
 
 }  // namespace ldp
