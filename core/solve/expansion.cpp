@@ -13,14 +13,17 @@ size_t at(int p) { return static_cast<size_t>(p); }
 void Expansion::start(LabelGrid& grid, const Smoothness& smoothness) {
   grid_ = &grid;
   smoothness_ = &smoothness;
+  kernel_grid_ = grid.kernel_grid(smoothness);
   gain_.resize(at(grid.size()) * kSlots);
+  negative_.resize(at(grid.size()));
   nodes_.assign(at(grid.size()), Node{});
   move_ = 0;
   for (int p = 0; p < grid.size(); ++p) compute_gains(p);
 }
 
 size_t Expansion::bytes() const {
-  return gain_.capacity() * sizeof(int16_t) + nodes_.capacity() * sizeof(Node) +
+  return gain_.capacity() * sizeof(int16_t) + negative_.capacity() * sizeof(uint16_t) +
+         nodes_.capacity() * sizeof(Node) +
          (touched_.capacity() + queue_.capacity() + orphans_.capacity()) * sizeof(int);
 }
 
@@ -33,10 +36,10 @@ Expansion::EdgeTerms Expansion::edge_terms(int p, int direction, int alpha) cons
   const int fp = grid.label[at(p)], fq = grid.label[at(q)];
   const uint8_t* into_p = grid.messages(p, direction);
   const uint8_t* into_q = grid.messages(q, direction ^ 1);
-  const int e00 = factor * grid.pair(*smoothness_, p, fp, q, fq) - into_p[fp] - into_q[fq];
-  int e10 = factor * grid.pair(*smoothness_, p, alpha, q, fq) - into_p[alpha] - into_q[fq] - e00;
-  const int e01 = factor * grid.pair(*smoothness_, p, fp, q, alpha) - into_p[fp] - into_q[alpha] - e00;
-  const int e11 = factor * grid.pair(*smoothness_, p, alpha, q, alpha) - into_p[alpha] - into_q[alpha] - e00;
+  const int e00 = grid.pair(*smoothness_, factor, p, fp, q, fq) - into_p[fp] - into_q[fq];
+  int e10 = grid.pair(*smoothness_, factor, p, alpha, q, fq) - into_p[alpha] - into_q[fq] - e00;
+  const int e01 = grid.pair(*smoothness_, factor, p, fp, q, alpha) - into_p[fp] - into_q[alpha] - e00;
+  const int e11 = grid.pair(*smoothness_, factor, p, alpha, q, alpha) - into_p[alpha] - into_q[alpha] - e00;
   e10 += std::max(0, e11 - e01 - e10);
   EdgeTerms terms;
   terms.unary_p = std::clamp(e11 >> 1, e11 - e01, e10);
@@ -47,23 +50,8 @@ Expansion::EdgeTerms Expansion::edge_terms(int p, int direction, int alpha) cons
 }
 
 void Expansion::compute_gains(int p) {
-  const LabelGrid& grid = *grid_;
-  const auto cost_of = [&](int slot) {
-    int sum = grid.costs(p)[slot];
-    for (int direction = 0; direction < 4; ++direction) sum += grid.messages(p, direction)[slot];
-    return sum;
-  };
-  const int kept = cost_of(grid.label[at(p)]);
-  for (int alpha = 0; alpha < kSlots; ++alpha) {
-    int gain = cost_of(alpha) - kept;
-    for (int direction = 0; direction < 4; ++direction) {
-      if (grid.factor(p, direction) == 0) continue;
-      const bool forward = direction == kDown || direction == kRight;
-      gain += forward ? edge_terms(p, direction, alpha).unary_p
-                      : edge_terms(p + grid.stride(direction), direction ^ 1, alpha).unary_q;
-    }
-    gain_[at(p) * kSlots + at(alpha)] = static_cast<int16_t>(gain);
-  }
+  const unsigned negative = message_kernels().gains(kernel_grid_, p, gain_.data() + at(p) * kSlots);
+  negative_[at(p)] = static_cast<uint16_t>(negative);
 }
 
 Expansion::Node& Expansion::touch(int p) {
@@ -110,7 +98,7 @@ bool Expansion::expand(int alpha) {
   queue_.clear();
   queue_head_ = 0;
   for (int p = 0; p < grid_->size(); ++p) {
-    if (gain_[at(p) * kSlots + at(alpha)] >= 0) continue;
+    if ((negative_[at(p)] >> alpha & 1) == 0) continue;
     Node& root = touch(p);
     root.parent = kRoot;
     activate(p);

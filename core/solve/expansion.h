@@ -61,7 +61,9 @@ class Expansion {
 
   LabelGrid* grid_ = nullptr;
   const Smoothness* smoothness_ = nullptr;
-  std::vector<int16_t> gain_;  // 16 per pixel: unary cost of moving to each slot
+  KernelGrid kernel_grid_;
+  std::vector<int16_t> gain_;       // 16 per pixel: unary cost of moving to each slot
+  std::vector<uint16_t> negative_;  // bit per slot whose gain is below 0
   std::vector<Node> nodes_;
   std::vector<int> touched_, queue_, orphans_;
   size_t queue_head_ = 0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cost_source.h"
+#include "message_kernel.h"
 #include "plane.h"
 #include "smoothness.h"
 
@@ -24,6 +25,7 @@ struct LabelGrid {
   std::vector<uint16_t> cost;        // 16 per pixel
   std::vector<uint8_t> grey;         // 16 per pixel
   std::vector<uint8_t> position;     // 16 per pixel, or empty: slot number = position
+  std::vector<uint8_t> grey_range;   // least and largest grey, 2 per pixel
   std::vector<uint8_t> message;      // 64 per pixel: what came from each direction, 16 each (a reparametrisation)
   std::vector<uint8_t> down, right;  // edge factors, 1 per pixel; 0 = no edge
   std::vector<uint8_t> label;        // slot taken, 1 per pixel
@@ -43,12 +45,15 @@ struct LabelGrid {
   int position_of(int p, int slot) const {
     return position.empty() ? slot : position[static_cast<size_t>(p) * kSlots + static_cast<size_t>(slot)];
   }
+  // To be called when the greys were filled.
+  void find_grey_ranges();
+  KernelGrid kernel_grid(const Smoothness& smoothness);
   // Factor of the edge that leaves p in a direction, 0 at the rim.
   int factor(int p, int direction) const;
 
-  // V of the pair (slot a at p, slot b at q), before the edge factor.
-  int pair(const Smoothness& smoothness, int p, int a, int q, int b) const {
-    return smoothness(position_of(p, a) - position_of(q, b), greys(p)[a] - greys(q)[b]);
+  // V of the pair (slot a at p, slot b at q) across an edge of some factor.
+  int pair(const Smoothness& smoothness, int factor, int p, int a, int q, int b) const {
+    return smoothness(factor, position_of(p, a) - position_of(q, b), greys(p)[a] - greys(q)[b]);
   }
 };
 

@@ -26,10 +26,11 @@ struct EdgeFactors {
 };
 
 struct SolveOptions {
-  double lambda = 2;       // in grey levels; lambda * truncation * largest factor <= 63
-  int truncation = 2;      // labels, 1 .. 15
-  double contrast = 0.01;  // per grey level
-  int core_px = 96, margin_px = 16;
+  double lambda = 2;                     // in grey levels; lambda * truncation * largest factor <= 63
+  int truncation = 2;                    // labels, 1 .. 15
+  double contrast = 0.01;                // per grey level
+  int core_px = 96, margin_px = 16;      // windows: core_px plus margin_px on each side
+  int iterations = 20;                   // of message passing in each window
   size_t memory_bytes = 0;               // costs that may be kept between passes; 0 = recompute
   const EdgeFactors* factors = nullptr;  // nullptr: every factor is 1
 };
@@ -50,10 +51,11 @@ struct Labelling {
 Labelling solve_depth(const CostSource& costs, const Plane<uint8_t>& mask, const SolveOptions& options, const Job& job);
 
 struct ColourSolveOptions {
-  double lambda = 2;      // in degrees
-  int truncation = 2;     // frames
-  double contrast = 0.1;  // per depth label
-  int core_px = 96, margin_px = 16;
+  double lambda = 2;                 // in degrees
+  int truncation = 2;                // frames
+  double contrast = 0.1;             // per depth label
+  int core_px = 96, margin_px = 16;  // windows: core_px plus margin_px on each side
+  int iterations = 20;               // of message passing in each window
 };
 
 // Gives the source frame of every present pixel (255 where absent or unseen). Pixels without a candidate have no edges;

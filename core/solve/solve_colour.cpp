@@ -38,6 +38,7 @@ class ColourSource final : public GridSource {
     }
     for (uint16_t& cost : grid.cost)
       if (cost == kAbsent) cost = 0;
+    grid.find_grey_ranges();
   }
 
   struct Choice {
@@ -90,9 +91,9 @@ class ColourSource final : public GridSource {
 
 int units_in_sixteenths(const ColourSolveOptions& options) {
   const double widest = options.lambda * kAnglesPerDegree * options.truncation;
-  if (!(options.lambda > 0) || options.truncation < 1 || options.truncation > 15 || widest > 255 * kSixteenths)
-    throw std::logic_error("solve_colour: lambda * truncation must lie in 0 .. 63 degrees, truncation in 1 .. 15");
-  return std::clamp(static_cast<int>(255 * kSixteenths / widest), 1, 256);
+  if (!(options.lambda > 0) || options.truncation < 1 || options.truncation > 15 || widest > kWidestPair * kSixteenths)
+    throw std::logic_error("solve_colour: lambda * truncation must lie in 0 .. 62 degrees, truncation in 1 .. 15");
+  return std::clamp(static_cast<int>(kWidestPair * kSixteenths / widest), 1, 256);
 }
 
 }  // namespace
@@ -104,7 +105,8 @@ Labelling solve_colour(const ColourCosts& costs, const ColourSolveOptions& optio
   const int step = std::max(1, static_cast<int>(std::lround(options.lambda * kAnglesPerDegree * units / kSixteenths)));
   const Smoothness smoothness(step, options.contrast, options.truncation);
   const ColourSource source(costs, units);
-  const WindowSolve solve = solve_windows(source, smoothness, options.core_px, options.margin_px, job);
+  const WindowSolve solve =
+      solve_windows(source, smoothness, {options.core_px, options.margin_px, options.iterations}, job);
   Labelling result;
   result.labels = Plane<uint8_t>(costs.width(), costs.height());
   int64_t angles = 0, least_angles = 0;

@@ -19,8 +19,9 @@ constexpr int kMaxPasses = 12;
 struct Scratch {
   LabelGrid grid;
   Expansion expansion;
+  std::vector<uint8_t> labels;
 
-  size_t bytes() const { return grid.bytes() + expansion.bytes(); }
+  size_t bytes() const { return labels.capacity() + grid.bytes() + expansion.bytes(); }
 };
 
 class ScratchPool {
@@ -118,19 +119,20 @@ void load_labels(const Window& window, const Plane<uint8_t>& slots, LabelGrid& g
           slots.at(wrapped(window.x + x, slots.width), window.y + y);
 }
 
-// Turns edges to the fixed pixels of the ring into unary costs and removes them.
+// Turns edges to the fixed pixels of the ring into unary costs and removes them; the ring itself has nothing to choose.
 void fold_ring(const FramedWindow& window, const Smoothness& smoothness, LabelGrid& grid) {
   const auto fold = [&](int p, int q, bool p_inside, int factor) {
     const int moving = p_inside ? p : q, fixed = p_inside ? q : p;
     const int label = grid.label[static_cast<size_t>(fixed)];
     uint16_t* cost = grid.cost.data() + static_cast<ptrdiff_t>(moving) * kSlots;
     for (int slot = 0; slot < kSlots; ++slot)
-      cost[slot] = static_cast<uint16_t>(cost[slot] + factor * grid.pair(smoothness, moving, slot, fixed, label));
+      cost[slot] = static_cast<uint16_t>(cost[slot] + grid.pair(smoothness, factor, moving, slot, fixed, label));
   };
   for (int x = 0; x < grid.width; ++x)
     for (int y = 0; y < grid.height; ++y) {
       const int p = x * grid.height + y;
       const bool inside = window.inside(x, y);
+      if (!inside) std::fill_n(grid.cost.begin() + static_cast<ptrdiff_t>(p) * kSlots, kSlots, uint16_t{0});
       for (const bool vertical : {true, false}) {
         const bool other_inside = vertical ? window.inside(x, y + 1) : window.inside(x + 1, y);
         if (inside && other_inside) continue;
@@ -144,8 +146,12 @@ void fold_ring(const FramedWindow& window, const Smoothness& smoothness, LabelGr
 // Everything that the solve of one problem shares between its windows.
 class WindowSolver {
  public:
-  WindowSolver(const GridSource& source, const Smoothness& smoothness, const Job& job)
-      : source_(source), smoothness_(smoothness), job_(job), slots_(source.width(), source.height()) {}
+  WindowSolver(const GridSource& source, const Smoothness& smoothness, const WindowOptions& options, const Job& job)
+      : source_(source),
+        smoothness_(smoothness),
+        options_(options),
+        job_(job),
+        slots_(source.width(), source.height()) {}
 
   // Labels of least cost, or the energy of the labels given, or both, strip by strip.
   Energy scan(bool choose) {
@@ -160,7 +166,8 @@ class WindowSolver {
     return sum;
   }
 
-  bool pass(int core_px, int margin_px, bool shift) {
+  bool pass(bool shift) {
+    const int core_px = options_.core_px, margin_px = options_.margin_px;
     const Cuts columns = source_.wraps() ? cut_ring(source_.width(), core_px, margin_px, shift)
                                          : cut_line(source_.width(), core_px, margin_px, shift);
     const Cuts rows = cut_line(source_.height(), core_px, margin_px, shift);
@@ -214,8 +221,8 @@ class WindowSolver {
     source_.load(window.outer, grid);
     load_labels(window.outer, slots_, grid);
     fold_ring(window, smoothness_, grid);
+    bool changed = pass_messages(*scratch);
     scratch->expansion.start(grid, smoothness_);
-    bool changed = false;
     for (int quiet = 0, alpha = 0; quiet < source_.slots(); alpha = (alpha + 1) % source_.slots()) {
       job_.check();
       const bool moved = scratch->expansion.expand(alpha);
@@ -227,6 +234,23 @@ class WindowSolver {
     return changed;
   }
 
+  // Message passing leaves its reparametrisation in the grid; its labels are taken if they are no worse.
+  bool pass_messages(Scratch& scratch) {
+    LabelGrid& grid = scratch.grid;
+    const int64_t energy = energy_of(grid, smoothness_).total();
+    scratch.labels = grid.label;
+    const KernelGrid kernel_grid = grid.kernel_grid(smoothness_);
+    for (int i = 0; i < options_.iterations; ++i) {
+      job_.check();
+      message_kernels().sweep(kernel_grid, true, 0, grid.width);
+      message_kernels().sweep(kernel_grid, false, 0, grid.width);
+    }
+    message_kernels().decide(kernel_grid);
+    if (energy_of(grid, smoothness_).total() < energy) return true;
+    grid.label = scratch.labels;
+    return false;
+  }
+
   void store_labels(const Window& window, int left, int top, const LabelGrid& grid) {
     for (int x = 0; x < window.width; ++x)
       for (int y = 0; y < window.height; ++y)
@@ -236,6 +260,7 @@ class WindowSolver {
 
   const GridSource& source_;
   const Smoothness& smoothness_;
+  const WindowOptions options_;
   const Job& job_;
   Plane<uint8_t> slots_;
   ScratchPool pool_;
@@ -243,14 +268,14 @@ class WindowSolver {
 
 }  // namespace
 
-WindowSolve solve_windows(const GridSource& source, const Smoothness& smoothness, int core_px, int margin_px,
+WindowSolve solve_windows(const GridSource& source, const Smoothness& smoothness, const WindowOptions& options,
                           const Job& job) {
-  WindowSolver solver(source, smoothness, job);
+  WindowSolver solver(source, smoothness, options, job);
   WindowSolve result;
   result.initial = solver.scan(true);
   while (result.passes < kMaxPasses) {
     job.report("solve", static_cast<double>(result.passes) / kMaxPasses);
-    const bool changed = solver.pass(core_px, margin_px, result.passes % 2 == 1);
+    const bool changed = solver.pass(result.passes % 2 == 1);
     ++result.passes;
     if (!changed) break;
   }
@@ -261,7 +286,7 @@ WindowSolve solve_windows(const GridSource& source, const Smoothness& smoothness
 }
 
 Energy energy_of(const GridSource& source, const Smoothness& smoothness, const Plane<uint8_t>& slots, const Job& job) {
-  WindowSolver solver(source, smoothness, job);
+  WindowSolver solver(source, smoothness, {}, job);
   solver.slots() = slots;
   return solver.scan(false);
 }

@@ -13,6 +13,11 @@
 
 namespace ldp {
 
+struct WindowOptions {
+  int core_px = 96, margin_px = 16;
+  int iterations = 20;  // of message passing in each window
+};
+
 struct WindowSolve {
   Plane<uint8_t> slots;
   Energy initial, final;  // of the cheapest slot of every pixel, and of the result
@@ -20,7 +25,7 @@ struct WindowSolve {
   size_t peak_bytes = 0;
 };
 
-WindowSolve solve_windows(const GridSource& source, const Smoothness& smoothness, int core_px, int margin_px,
+WindowSolve solve_windows(const GridSource& source, const Smoothness& smoothness, const WindowOptions& options,
                           const Job& job);
 
 // True energy of a labelling, evaluated from the source.

@@ -203,7 +203,7 @@ TEST(Solve, stops_when_asked) {
 }
 
 // A small grid with random costs, greys, edges and messages.
-LabelGrid random_grid(int w, int h, unsigned seed, const Smoothness& smoothness, bool positions) {
+LabelGrid random_grid(int w, int h, unsigned seed, bool positions) {
   LabelGrid grid;
   grid.resize(w, h, positions);
   std::mt19937 random(seed);
@@ -222,7 +222,7 @@ LabelGrid random_grid(int w, int h, unsigned seed, const Smoothness& smoothness,
   for (int p = 0; p < grid.size(); ++p)
     for (int d = 0; d < 4; ++d)
       if (grid.factor(p, d) == 0) std::fill_n(grid.message.begin() + (p * 4 + d) * kSlots, kSlots, uint8_t{0});
-  (void)smoothness;
+  grid.find_grey_ranges();
   return grid;
 }
 
@@ -239,7 +239,7 @@ int64_t raised_energy(const LabelGrid& before, const LabelGrid& after, const Smo
       const int factor = before.factor(p, d);
       if (factor == 0) continue;
       const int q = p + before.stride(d), fp = label(before, p), fq = label(before, q);
-      const auto v = [&](int a, int b) { return factor * before.pair(smoothness, p, a, q, b); };
+      const auto v = [&](int a, int b) { return before.pair(smoothness, factor, p, a, q, b); };
       sum += v(label(after, p), label(after, q));
       const bool only_p = label(after, p) == alpha && label(after, q) == fq && fp != alpha && fq != alpha;
       if (only_p) sum += std::max(0, v(fp, fq) + v(alpha, alpha) - v(fp, alpha) - v(alpha, fq));
@@ -249,10 +249,10 @@ int64_t raised_energy(const LabelGrid& before, const LabelGrid& after, const Smo
 }
 
 TEST(Expansion, a_move_is_the_least_of_all_cuts_and_never_raises_the_energy) {
-  const Smoothness smoothness(60, 0.01, 2);
+  const Smoothness smoothness(60, 0.01, 2, 2);
   for (unsigned seed = 0; seed < 300; ++seed) {
     const int w = 1 + static_cast<int>(seed % 4), h = 12 / w;
-    LabelGrid grid = random_grid(w, h, seed, smoothness, seed % 3 == 0);
+    LabelGrid grid = random_grid(w, h, seed, seed % 3 == 0);
     const int alpha = static_cast<int>(seed / 4 % 16);
     const LabelGrid before = grid;
     Expansion expansion;

@@ -1,0 +1,47 @@
+// The depth problem in integers: a cost source and options as a grid source and a smoothness table.
+#pragma once
+
+#include "label_grid.h"
+#include "smoothness.h"
+#include "solve.h"
+
+namespace ldp {
+
+class DepthSource final : public GridSource {
+ public:
+  DepthSource(const CostSource& costs, const Plane<uint8_t>& mask, const EdgeFactors* factors, int units)
+      : costs_(costs), mask_(mask), factors_(factors), units_(units) {}
+  int width() const override { return costs_.width(); }
+  int height() const override { return costs_.height(); }
+  bool wraps() const override { return costs_.wraps(); }
+  int slots() const override { return costs_.labels(); }
+  bool has_positions() const override { return false; }
+
+  void load(const Window& window, LabelGrid& grid) const override;
+
+ private:
+  bool solved(int x, int y) const { return mask_.empty() || mask_.at(x, y) != 0; }
+  void load_edges(const Window& window, int x, int y, LabelGrid& grid) const;
+
+  const CostSource& costs_;
+  const Plane<uint8_t>& mask_;
+  const EdgeFactors* factors_;
+  int units_;
+};
+
+class DepthProblem {
+ public:
+  // Checks the options; what is passed must outlive the problem.
+  DepthProblem(const CostSource& costs, const Plane<uint8_t>& mask, const SolveOptions& options);
+
+  const GridSource& source() const { return source_; }
+  const Smoothness& smoothness() const { return smoothness_; }
+  double grey_levels_per_unit() const { return 1.0 / (units_ * kCostScale); }
+
+ private:
+  int units_;  // energy units per cost step: as fine as messages of 8 bits allow
+  Smoothness smoothness_;
+  DepthSource source_;
+};
+
+}  // namespace ldp
