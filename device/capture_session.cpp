@@ -1,9 +1,11 @@
 #include "capture_session.h"
 
 #include <poll.h>
+#include <sys/eventfd.h>
 #include <sys/signalfd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <thread>
 
@@ -35,13 +37,18 @@ std::filesystem::path program_beside_us() {
 
 }  // namespace
 
-CaptureSession::CaptureSession(Config config, Run run) : config_(std::move(config)), run_(run), store_(config_.output) {
-  sigset_t wanted;
-  sigemptyset(&wanted);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&wanted, signal);
-  ::pthread_sigmask(SIG_BLOCK, &wanted, &signals_before_);
-  signals_.reset(::signalfd(-1, &wanted, SFD_NONBLOCK | SFD_CLOEXEC));
-  if (!signals_.is_open()) throw_errno("cannot receive signals");
+CaptureSession::CaptureSession(Config config, Run run, std::stop_token stop)
+    : config_(std::move(config)), run_(run), store_(config_.output) {
+  if (stop.stop_possible()) {
+    end_request_.reset(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
+    if (!end_request_.is_open()) throw_errno("cannot make an event descriptor");
+    on_stop_.emplace(std::move(stop), [fd = end_request_.get()] {
+      const uint64_t one = 1;
+      [[maybe_unused]] const ssize_t put = ::write(fd, &one, sizeof one);
+    });
+  } else {
+    receive_signals();
+  }
   for (const std::string& url : config_.status) pending_statuses_.push_back({url, {}});
   open_statuses_again();
   if (run_ != Run::service) {
@@ -57,7 +64,14 @@ CaptureSession::CaptureSession(Config config, Run run) : config_(std::move(confi
   open_button_again(monotonic_now_ns());
 }
 
-CaptureSession::~CaptureSession() { ::pthread_sigmask(SIG_SETMASK, &signals_before_, nullptr); }
+void CaptureSession::receive_signals() {
+  sigset_t wanted;
+  sigemptyset(&wanted);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&wanted, signal);
+  ::pthread_sigmask(SIG_BLOCK, &wanted, nullptr);
+  end_request_.reset(::signalfd(-1, &wanted, SFD_NONBLOCK | SFD_CLOEXEC));
+  if (!end_request_.is_open()) throw_errno("cannot receive signals");
+}
 
 // --- the loop --------------------------------------------------------------------------------------------------------
 
@@ -94,7 +108,7 @@ std::vector<CaptureSession::Watch> CaptureSession::watches() {
   const auto add = [&](int fd, std::function<void()> serve) {
     if (fd >= 0) watched.push_back({fd, std::move(serve)});
   };
-  add(signals_.get(), [this] { serve_signals(); });
+  add(end_request_.get(), [this] { serve_end_request(); });
   add(writer_.fd(), [this] { serve_writer(); });
   if (button_) add(button_->fd(), [this] { serve_button(); });
   for (size_t i = 0; i < statuses_.size(); ++i) {
@@ -149,6 +163,7 @@ void CaptureSession::handle(Event event, const std::string& why) {
   phase_ = transition.phase;
   if (changed) rest_at_ns_ = phase_ == Phase::done || phase_ == Phase::failed ? monotonic_now_ns() + kRest_ns : 0;
   if (changed && phase_ != Phase::capturing && phase_ != Phase::building) say(why);
+  if (changed && (phase_ == Phase::failed || phase_ == Phase::idle)) last_failure_ = why;
   perform(transition.action, why);
   const bool over = phase_ == Phase::idle || phase_ == Phase::done || phase_ == Phase::failed;
   if (changed && over && run_ != Run::service) {
@@ -357,13 +372,10 @@ void CaptureSession::serve_build() {
   if (const auto end = build_->end()) finish_build(*end);
 }
 
-void CaptureSession::serve_signals() {
-  signalfd_siginfo signal{};
-  while (::read(signals_.get(), &signal, sizeof signal) == sizeof signal) {
-    handle(Event::shutdown, "shutting down");
-    stopping_ = true;
-    if (run_ != Run::service) exit_status_ = 1;
-  }
+void CaptureSession::serve_end_request() {
+  handle(Event::shutdown, "shutting down");
+  stopping_ = true;
+  if (run_ != Run::service) exit_status_ = 1;
 }
 
 void CaptureSession::serve_button() {

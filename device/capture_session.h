@@ -2,12 +2,12 @@
 // session_state.h between them.
 #pragma once
 
-#include <csignal>
 #include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -31,13 +31,16 @@ enum class Run : uint8_t {
 
 class CaptureSession {
  public:
-  CaptureSession(Config config, Run run);
-  ~CaptureSession();
+  // Ends when asked through `stop`, or, where that can never be, by SIGTERM, SIGINT and SIGHUP, which it then blocks in
+  // this thread and all that start later.
+  CaptureSession(Config config, Run run, std::stop_token stop = {});
   CaptureSession(const CaptureSession&) = delete;
   CaptureSession& operator=(const CaptureSession&) = delete;
 
-  // Until SIGTERM, SIGINT or the end of what was to be run once. The exit status: 0, or 1 when a single run failed.
+  // Until asked to end or the end of what was to be run once. The exit status: 0, or 1 when a single run failed.
   int run();
+  const std::string& last_failure() const { return last_failure_; }
+  int frames_stored() const { return frames_stored_; }
 
  private:
   struct Watch {
@@ -66,6 +69,7 @@ class CaptureSession {
   void fail_build(const std::string& reason);
   BuildCommand build_command() const;
 
+  void receive_signals();
   void open_button_again(int64_t now_ns);
   void open_statuses_again();
   void serve_button();
@@ -73,7 +77,7 @@ class CaptureSession {
   void serve_camera();
   void serve_writer();
   void serve_build();
-  void serve_signals();
+  void serve_end_request();
   void obey(Command command);
   void retry_failed();
 
@@ -94,8 +98,8 @@ class CaptureSession {
   std::unique_ptr<Button> button_;
   std::unique_ptr<Sweep> sweep_;
   std::unique_ptr<BuildChild> build_;
-  UniqueFd signals_;
-  sigset_t signals_before_{};
+  UniqueFd end_request_;              // readable when the session is to end
+  std::optional<std::stop_callback<std::function<void()>>> on_stop_;
 
   Phase phase_ = Phase::idle;
   std::string text_;     // the present one line for people
@@ -108,6 +112,7 @@ class CaptureSession {
   int64_t sweep_end_ns_ = 0, next_tick_ns_ = 0, next_button_try_ns_ = 0, rest_at_ns_ = 0, next_guidance_ns_ = 0;
   bool stopping_ = false;
   int exit_status_ = 0;
+  std::string last_failure_;
 };
 
 }  // namespace ldp

@@ -161,6 +161,7 @@ class Inbox {
   lcm::LCM& connection() const { return *connection_; }
   int fd() const { return connection_->getFileno(); }
   int64_t ignored() const { return ignored_; }
+  bool ended() const { return ended_; }
 
   template <typename Owner>
   void listen(const char* channel, void (Owner::*handler)(const lcm::ReceiveBuffer*, const std::string&),
@@ -177,7 +178,10 @@ class Inbox {
   }
 
   std::optional<Item> take() {
-    while (items_.empty() && connection_->handleTimeout(0) > 0) {
+    while (items_.empty()) {
+      const int handled = connection_->handleTimeout(0);
+      if (handled < 0) ended_ = true;
+      if (handled <= 0) break;
     }
     if (items_.empty()) return std::nullopt;
     Item item = std::move(items_.front());
@@ -190,6 +194,7 @@ class Inbox {
   std::vector<lcm::Subscription*> subscriptions_;
   std::deque<Item> items_;
   int64_t ignored_ = 0;
+  bool ended_ = false;
 };
 
 class LcmStatus final : public StatusChannel {
@@ -230,6 +235,7 @@ class LcmListener final : public StatusListener {
   int fd() const override { return inbox_.fd(); }
   std::optional<HeardMessage> read() override { return inbox_.take(); }
   int64_t ignored() const override { return inbox_.ignored(); }
+  bool ended() const override { return inbox_.ended(); }
 
   void send(Command command) override {
     auto wire = stamped<ldp_lcm::command_t>();

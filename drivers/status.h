@@ -68,7 +68,7 @@ class StatusChannel {
   virtual int64_t ignored() const { return 0; }  // malformed or unknown messages so far
 };
 
-// The other end: what `ldp watch` reads. Only lcm: URLs can be listened to.
+// The other end: what `ldp watch` reads. Only lcm: URLs can be listened to, log files (lcm:file://LOG?speed=0) included.
 struct HeardMessage {
   StatusMessage message;
   int64_t utc_ns = 0, monotonic_ns = 0;  // the sender's clocks
@@ -79,7 +79,8 @@ class StatusListener {
   virtual ~StatusListener() = default;
   virtual int fd() const = 0;
   virtual std::optional<HeardMessage> read() = 0;
-  virtual int64_t ignored() const = 0;
+  virtual int64_t ignored() const = 0;  // malformed messages so far
+  virtual bool ended() const = 0;       // a log was read to its end, or the connection broke
   virtual void send(Command command) = 0;
 };
 
