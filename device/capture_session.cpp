@@ -54,8 +54,10 @@ CaptureSession::CaptureSession(Config config, Run run, std::stop_token stop)
   if (run_ != Run::service) {
     camera_ = open_camera(config_.camera);
     button_ = open_button(config_.button);
+    store_.prepare();
     return;
   }
+  store_.prepare();
   for (const CaptureState& capture : store_.recover()) {
     const BuildRecord& build = capture.build;
     const bool wants = !capture.built && !build.cancelled && !build.failed && build.interruptions < kMaxInterruptions;
@@ -255,7 +257,7 @@ void CaptureSession::continue_after_sweep() {
                       " are needed: " + why);
   }
   if (run_ == Run::capture_only) {
-    publish(Result{capture_, {}, true, frames_text(frames_stored_) + " in " + config_.output, 0});
+    publish(Result{capture_, config_.output, true, frames_text(frames_stored_), 0});
     return handle(Event::build_done, frames_text(frames_stored_) + " captured");
   }
   backlog_.push_front(capture_);

@@ -98,7 +98,7 @@ class CaptureSession {
   std::unique_ptr<Button> button_;
   std::unique_ptr<Sweep> sweep_;
   std::unique_ptr<BuildChild> build_;
-  UniqueFd end_request_;              // readable when the session is to end
+  UniqueFd end_request_;  // readable when the session is to end
   std::optional<std::stop_callback<std::function<void()>>> on_stop_;
 
   Phase phase_ = Phase::idle;

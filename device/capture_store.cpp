@@ -110,8 +110,8 @@ std::string capture_json(const CaptureRecord& record) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-CaptureStore::CaptureStore(fs::path output) : output_(std::move(output)) {
-  fs::create_directories(output_ / ".building");
+void CaptureStore::prepare() const {
+  fs::create_directories(output_);
   if (::access(output_.c_str(), W_OK) != 0) throw_errno("cannot write into " + output_.string());
 }
 
@@ -150,6 +150,7 @@ void CaptureStore::discard(const std::string& name) const {
 }
 
 void CaptureStore::clear_building() const {
+  fs::create_directory(output_ / ".building");
   for (const auto& entry : fs::directory_iterator(output_ / ".building")) fs::remove_all(entry.path());
 }
 

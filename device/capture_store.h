@@ -16,6 +16,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace ldp {
@@ -58,7 +59,9 @@ struct CaptureState {
 
 class CaptureStore {
  public:
-  explicit CaptureStore(std::filesystem::path output);  // makes the folder; throws std::system_error
+  explicit CaptureStore(std::filesystem::path output) : output_(std::move(output)) {}
+
+  void prepare() const;  // makes the folder where it is missing; throws std::system_error if it cannot be written
 
   // Removes what an interrupted run left behind: temporary files, unfinished builds. Gives the captures in order.
   std::vector<CaptureState> recover() const;

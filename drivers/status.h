@@ -68,7 +68,8 @@ class StatusChannel {
   virtual int64_t ignored() const { return 0; }  // malformed or unknown messages so far
 };
 
-// The other end: what `ldp watch` reads. Only lcm: URLs can be listened to, log files (lcm:file://LOG?speed=0) included.
+// The other end: what `ldp watch` reads. Only lcm: URLs can be listened to, log files (lcm:file://LOG?speed=0)
+// included.
 struct HeardMessage {
   StatusMessage message;
   int64_t utc_ns = 0, monotonic_ns = 0;  // the sender's clocks

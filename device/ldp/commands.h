@@ -21,6 +21,12 @@ struct Program {
 CLI::App& add_command(Program& program, const std::string& name, const std::string& what,
                       std::function<int(const Session&)> run);
 
+// All commands of this program: `ldp` itself, or `ldp-device`, which holds those that need camera and message libraries
+// and is run by `ldp` so that building and rendering do without them.
+void add_commands(Program& program);
+
 void add_scene(Program& program);
+void add_capture(Program& program);
+void add_watch(Program& program);
 
 }  // namespace ldp

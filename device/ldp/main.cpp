@@ -83,7 +83,7 @@ int main(int argc, char** argv) {
   program.app.set_version_flag("--version", "ldp " LDP_VERSION);
   program.app.require_subcommand(1);
   program.session.stop = interrupt.token();
-  ldp::add_scene(program);
+  ldp::add_commands(program);
   const int parsed = ldp::parse(program, argc, argv);
   if (!program.chosen) return parsed;
   const int status = ldp::run(program);
