@@ -11,6 +11,7 @@
 
 #include "backends.h"
 #include "clocks.h"
+#include "lcm_messages.h"
 #include "ldp_lcm/command_t.hpp"
 #include "ldp_lcm/guidance_t.hpp"
 #include "ldp_lcm/progress_t.hpp"
@@ -22,12 +23,6 @@ namespace {
 
 constexpr int32_t kVersion = 1;
 constexpr size_t kMaxTextBytes = 1000;
-constexpr const char* kStatusChannel = "LDP_STATUS";
-constexpr const char* kProgressChannel = "LDP_PROGRESS";
-constexpr const char* kGuidanceChannel = "LDP_GUIDANCE";
-constexpr const char* kResultChannel = "LDP_RESULT";
-constexpr const char* kCommandChannel = "LDP_COMMAND";
-
 // A NUL would end the text in LCM's encoding but not in its length.
 std::string wire_text(const std::string& text) { return text.substr(0, std::min(text.find('\0'), kMaxTextBytes)); }
 
@@ -116,16 +111,39 @@ std::optional<StatusMessage> message_from(const ldp_lcm::result_t& wire) {
 }
 
 template <typename Wire>
-std::optional<Wire> decode(const lcm::ReceiveBuffer& buffer) {
-  if (buffer.data_size > static_cast<uint32_t>(std::numeric_limits<int>::max())) return std::nullopt;
-  const int size = static_cast<int>(buffer.data_size);
+std::vector<uint8_t> encode(const Wire& wire) {
+  std::vector<uint8_t> bytes(static_cast<size_t>(wire.getEncodedSize()));
+  wire.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+template <typename Wire>
+std::optional<Wire> decode(std::span<const uint8_t> bytes) {
+  if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) return std::nullopt;
+  const int size = static_cast<int>(bytes.size());
   Wire wire{};
   try {
-    if (wire.decode(buffer.data, 0, size) != size || wire.version != kVersion) return std::nullopt;
+    if (wire.decode(bytes.data(), 0, size) != size || wire.version != kVersion) return std::nullopt;
   } catch (const std::exception&) {
     return std::nullopt;
   }
   return wire;
+}
+
+template <typename Wire>
+std::optional<HeardMessage> heard(std::span<const uint8_t> bytes) {
+  const auto wire = decode<Wire>(bytes);
+  const auto message = wire ? message_from(*wire) : std::nullopt;
+  if (!message) return std::nullopt;
+  return HeardMessage{*message, wire->utc_ns, wire->monotonic_ns};
+}
+
+std::span<const uint8_t> bytes_of(const lcm::ReceiveBuffer& buffer) {
+  return {static_cast<const uint8_t*>(buffer.data), buffer.data_size};
+}
+
+void publish_bytes(lcm::LCM& connection, const char* channel, const std::vector<uint8_t>& bytes) {
+  connection.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size()));
 }
 
 // memq:// keeps its messages inside one LCM object, so everybody in the process who names it shares one.
@@ -202,13 +220,7 @@ class LcmStatus final : public StatusChannel {
   explicit LcmStatus(const Url& url) : inbox_(url) { inbox_.listen(kCommandChannel, &LcmStatus::on_command, this); }
 
   void publish(const StatusMessage& message) override {
-    static constexpr const char* kChannels[] = {kStatusChannel, kProgressChannel, kGuidanceChannel, kResultChannel};
-    std::visit(
-        [&](const auto& m) {
-          const auto wire = wire_from(m);
-          inbox_.connection().publish(kChannels[message.index()], &wire);
-        },
-        message);
+    publish_bytes(inbox_.connection(), kMessageChannels[message.index()], encode_message(message));
   }
   int fd() const override { return inbox_.fd(); }
   std::optional<Command> read() override { return inbox_.take(); }
@@ -216,8 +228,7 @@ class LcmStatus final : public StatusChannel {
 
  private:
   void on_command(const lcm::ReceiveBuffer* buffer, const std::string&) {
-    const auto wire = decode<ldp_lcm::command_t>(*buffer);
-    inbox_.put(wire ? enum_from(wire->command, Command::retry) : std::nullopt);
+    inbox_.put(decode_command(bytes_of(*buffer)));
   }
 
   Inbox<Command> inbox_;
@@ -226,10 +237,7 @@ class LcmStatus final : public StatusChannel {
 class LcmListener final : public StatusListener {
  public:
   explicit LcmListener(const Url& url) : inbox_(url) {
-    inbox_.listen(kStatusChannel, &LcmListener::on_message<ldp_lcm::status_t>, this);
-    inbox_.listen(kProgressChannel, &LcmListener::on_message<ldp_lcm::progress_t>, this);
-    inbox_.listen(kGuidanceChannel, &LcmListener::on_message<ldp_lcm::guidance_t>, this);
-    inbox_.listen(kResultChannel, &LcmListener::on_message<ldp_lcm::result_t>, this);
+    for (const char* const channel : kMessageChannels) inbox_.listen(channel, &LcmListener::on_message, this);
   }
 
   int fd() const override { return inbox_.fd(); }
@@ -237,28 +245,40 @@ class LcmListener final : public StatusListener {
   int64_t ignored() const override { return inbox_.ignored(); }
   bool ended() const override { return inbox_.ended(); }
 
-  void send(Command command) override {
-    auto wire = stamped<ldp_lcm::command_t>();
-    wire.command = static_cast<int8_t>(command);
-    inbox_.connection().publish(kCommandChannel, &wire);
-  }
+  void send(Command command) override { publish_bytes(inbox_.connection(), kCommandChannel, encode_command(command)); }
 
  private:
-  template <typename Wire>
-  void on_message(const lcm::ReceiveBuffer* buffer, const std::string&) {
-    const auto wire = decode<Wire>(*buffer);
-    const auto message = wire ? message_from(*wire) : std::nullopt;
-    if (message) {
-      inbox_.put(HeardMessage{*message, wire->utc_ns, wire->monotonic_ns});
-    } else {
-      inbox_.put(std::nullopt);
-    }
+  void on_message(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+    inbox_.put(decode_message(channel, bytes_of(*buffer)));
   }
 
   Inbox<HeardMessage> inbox_;
 };
 
 }  // namespace
+
+std::vector<uint8_t> encode_message(const StatusMessage& message) {
+  return std::visit([](const auto& m) { return encode(wire_from(m)); }, message);
+}
+
+std::vector<uint8_t> encode_command(Command command) {
+  auto wire = stamped<ldp_lcm::command_t>();
+  wire.command = static_cast<int8_t>(command);
+  return encode(wire);
+}
+
+std::optional<HeardMessage> decode_message(const std::string& channel, std::span<const uint8_t> bytes) {
+  if (channel == kMessageChannels[0]) return heard<ldp_lcm::status_t>(bytes);
+  if (channel == kMessageChannels[1]) return heard<ldp_lcm::progress_t>(bytes);
+  if (channel == kMessageChannels[2]) return heard<ldp_lcm::guidance_t>(bytes);
+  if (channel == kMessageChannels[3]) return heard<ldp_lcm::result_t>(bytes);
+  return std::nullopt;
+}
+
+std::optional<Command> decode_command(std::span<const uint8_t> bytes) {
+  const auto wire = decode<ldp_lcm::command_t>(bytes);
+  return wire ? enum_from(wire->command, Command::retry) : std::nullopt;
+}
 
 std::unique_ptr<StatusChannel> open_lcm_status(const Url& url) { return std::make_unique<LcmStatus>(url); }
 std::unique_ptr<StatusListener> open_lcm_listener(const Url& url) { return std::make_unique<LcmListener>(url); }

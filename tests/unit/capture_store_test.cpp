@@ -1,0 +1,230 @@
+// Storage, the frame writer and the build as a child process.
+#include "capture_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <signal.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "build_child.h"
+#include "frame_writer.h"
+#include "images.h"
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class CaptureStoreTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = testing::TempDir() + "ldp_store_XXXXXX";
+    output_ = mkdtemp(name.data());
+  }
+  void TearDown() override { fs::remove_all(output_); }
+
+  static void touch(const fs::path& file) { std::ofstream(file) << "x"; }
+  fs::path script(const std::string& text) const {
+    std::ofstream(output_ / "program") << "#!/bin/bash\n" << text;
+    fs::permissions(output_ / "program", fs::perms::owner_all);
+    return output_ / "program";
+  }
+
+  fs::path output_;
+};
+
+TEST_F(CaptureStoreTest, NamesCountUpAndAreNeverGivenTwice) {
+  const CaptureStore store(output_);
+  store.prepare();
+  EXPECT_EQ(store.create_capture(), "sweep_000001");
+  EXPECT_EQ(store.create_capture(), "sweep_000002");
+  store.discard("sweep_000001");
+  store.discard("sweep_000002");
+  EXPECT_EQ(store.create_capture(), "sweep_000003") << "a deleted capture's name was given again";
+  touch(output_ / "sweep_000041.ldp");
+  fs::remove(output_ / ".last_sweep");
+  EXPECT_EQ(store.create_capture(), "sweep_000042") << "a panorama whose capture was deleted would be overwritten";
+}
+
+TEST_F(CaptureStoreTest, RecoveryRemovesTemporariesAndNothingElse) {
+  const CaptureStore store(output_);
+  store.prepare();
+  const std::string name = store.create_capture();
+  touch(store.folder_of(name) / "frame_000.jpg");
+  touch(store.folder_of(name) / "frame_001.jpg.8123.tmp");
+  touch(output_ / "notes.txt");
+  fs::create_directory(output_ / "holiday");
+  touch(output_ / "holiday" / "letter.tmp");
+  store.clear_building();
+  touch(store.building_of(name));
+  const auto captures = store.recover();
+  ASSERT_EQ(captures.size(), 1U);
+  EXPECT_EQ(captures[0].frames, 1);
+  EXPECT_FALSE(captures[0].built);
+  EXPECT_FALSE(fs::exists(store.folder_of(name) / "frame_001.jpg.8123.tmp"));
+  EXPECT_FALSE(fs::exists(store.building_of(name)));
+  EXPECT_TRUE(fs::exists(store.folder_of(name) / "frame_000.jpg"));
+  EXPECT_TRUE(fs::exists(output_ / "notes.txt"));
+  EXPECT_TRUE(fs::exists(output_ / "holiday" / "letter.tmp")) << "a stranger's file";
+}
+
+TEST_F(CaptureStoreTest, APublishedPanoramaIsInItsPlaceAndTheRecordGone) {
+  const CaptureStore store(output_);
+  store.prepare();
+  const std::string name = store.create_capture();
+  store.clear_building();
+  store.write_build_record(name, {2, false, true, "why \"so\""});
+  EXPECT_EQ(store.read_build_record(name).reason, "why \"so\"");
+  EXPECT_EQ(store.read_build_record(name).interruptions, 2);
+  EXPECT_TRUE(store.read_build_record(name).failed);
+  touch(store.building_of(name));
+  store.publish_panorama(name);
+  EXPECT_TRUE(fs::exists(store.panorama_of(name)));
+  EXPECT_FALSE(store.read_build_record(name).failed);
+  EXPECT_THROW(store.publish_panorama(name), std::system_error) << "there is nothing to publish any more";
+}
+
+TEST_F(CaptureStoreTest, ADamagedBuildRecordCountsAsNone) {
+  const CaptureStore store(output_);
+  store.prepare();
+  const std::string name = store.create_capture();
+  std::ofstream(store.folder_of(name) / "build.json") << "{\"failed\": tru";
+  EXPECT_FALSE(store.read_build_record(name).failed);
+}
+
+TEST_F(CaptureStoreTest, SweepsLeftShrinkWithTheReserve) {
+  const CaptureStore store(output_);
+  store.prepare();
+  EXPECT_GT(store.sweeps_left(0), 0);
+  EXPECT_EQ(store.sweeps_left(uint64_t{1} << 60), 0);
+}
+
+TEST_F(CaptureStoreTest, AFolderThatCannotBeMadeIsNamed) {
+  touch(output_ / "file");
+  EXPECT_THROW(CaptureStore(output_ / "file" / "folder").prepare(), std::system_error);
+}
+
+TEST(CaptureJson, SaysWhatIsKnown) {
+  CaptureRecord record;
+  record.device = "camera 7";
+  record.width = 640;
+  record.frames = {{"frame_000.jpg", 123, 4, 0.01, 2.0}, {"frame_001.jpg", 456, 9, {}, {}}};
+  const auto json = nlohmann::json::parse(capture_json(record));
+  EXPECT_EQ(json["device"], "camera 7");
+  EXPECT_EQ(json["frames"][0]["exposure_s"], 0.01);
+  EXPECT_FALSE(json["frames"][1].contains("gain"));
+  EXPECT_FALSE(json.contains("fov_degrees"));
+}
+
+// --- writer ----------------------------------------------------------------------------------------------------------
+
+std::optional<WriteOutcome> wait_for(FrameWriter& writer) {
+  for (int i = 0; i < 100; ++i) {
+    if (auto outcome = writer.take()) return outcome;
+    pollfd entry{writer.fd(), POLLIN, 0};
+    poll(&entry, 1, 100);
+  }
+  return std::nullopt;
+}
+
+TEST_F(CaptureStoreTest, TheWriterReportsFilesThatAreWholeInOrder) {
+  FrameWriter writer;
+  for (int i = 0; i < 5; ++i) {
+    writer.put(
+        {output_, "frame_" + std::to_string(i) + ".jpg", std::vector<uint8_t>(1000, static_cast<uint8_t>(i)), "{}"});
+  }
+  for (int i = 0; i < 5; ++i) {
+    const auto outcome = wait_for(writer);
+    ASSERT_TRUE(outcome);
+    EXPECT_EQ(outcome->error, "");
+    EXPECT_EQ(outcome->file, "frame_" + std::to_string(i) + ".jpg");
+    EXPECT_EQ(read_file(output_ / outcome->file), std::vector<uint8_t>(1000, static_cast<uint8_t>(i)));
+  }
+  EXPECT_EQ(writer.pending(), 0U);
+  EXPECT_TRUE(fs::exists(output_ / "capture.json"));
+}
+
+TEST_F(CaptureStoreTest, TheWriterReportsWhatCouldNotBeWritten) {
+  FrameWriter writer;
+  writer.put({output_ / "missing", "frame_000.jpg", {1, 2, 3}, ""});
+  const auto outcome = wait_for(writer);
+  ASSERT_TRUE(outcome);
+  EXPECT_THAT(outcome->error, HasSubstr("frame_000.jpg"));
+}
+
+// --- build child -----------------------------------------------------------------------------------------------------
+
+struct ChildRun {
+  BuildEnd end;
+  std::vector<BuildProgress> progress;
+};
+
+ChildRun run_to_end(BuildChild& child) {
+  ChildRun run;
+  for (int i = 0; i < 200; ++i) {
+    pollfd entries[] = {{child.end_fd(), POLLIN, 0}, {child.progress_fd(), POLLIN, 0}, {child.error_fd(), POLLIN, 0}};
+    poll(entries, 3, 100);
+    child.read_errors();
+    if (auto progress = child.read_progress()) run.progress.push_back(*progress);
+    if (auto end = child.end()) {
+      run.end = *end;
+      return run;
+    }
+  }
+  ADD_FAILURE() << "the child does not end";
+  return run;
+}
+
+TEST_F(CaptureStoreTest, ABuildTellsItsProgressThroughThePipe) {
+  BuildChild child({script("echo '0.5 poses' >&3; [ \"$1 $2\" = 'a b' ] || exit 9; echo ignored"), {"a", "b"}, 0, 10});
+  const ChildRun run = run_to_end(child);
+  EXPECT_TRUE(run.end.ok) << run.end.reason;
+  ASSERT_EQ(run.progress.size(), 1U);
+  EXPECT_EQ(run.progress[0].fraction, 0.5);
+  EXPECT_EQ(run.progress[0].stage, "poses");
+}
+
+TEST_F(CaptureStoreTest, ABuildThatFailsGivesItsLastLineAsReason) {
+  BuildChild child({script("echo first >&2; echo 'ldp build: only 2 frames' >&2; exit 1"), {}, 0, 10});
+  const ChildRun run = run_to_end(child);
+  EXPECT_FALSE(run.end.ok);
+  EXPECT_EQ(run.end.reason, "ldp build: only 2 frames");
+}
+
+TEST_F(CaptureStoreTest, ABuildThatIsKilledSaysSo) {
+  BuildChild child({script("kill -9 $$"), {}, 0, 10});
+  EXPECT_THAT(run_to_end(child).end.reason, HasSubstr("Killed"));
+}
+
+TEST_F(CaptureStoreTest, AMissingProgramSaysSo) {
+  BuildChild child({output_ / "nothing", {}, 0, 10});
+  EXPECT_THAT(run_to_end(child).end.reason, HasSubstr("cannot run the build program"));
+}
+
+TEST_F(CaptureStoreTest, ABuildBeyondItsMemoryFailsAlone) {
+  BuildChild child(
+      {script("x=$(head -c 300000000 /dev/zero | tr '\\0' 'a'); echo ${#x}; [ ${#x} -gt 1 ]"), {}, 64 << 20, 10});
+  EXPECT_FALSE(run_to_end(child).end.ok);
+}
+
+TEST_F(CaptureStoreTest, DroppingABuildKillsIt) {
+  pid_t pid = 0;
+  {
+    BuildChild child({script("exec sleep 1000"), {}, 0, 10});
+    pid = child.pid();
+    EXPECT_FALSE(child.end());
+  }
+  EXPECT_NE(::kill(pid, 0), 0);
+}
+
+TEST(BuildProgress, OnlyFractionsCount) {
+  EXPECT_EQ(parse_progress("0.25 depth layer 1")->stage, "depth layer 1");
+  for (const char* line : {"", "x", "-1 a", "1.5 a", "nan a"}) EXPECT_FALSE(parse_progress(line)) << line;
+}
+
+}  // namespace
+}  // namespace ldp

@@ -1,0 +1,58 @@
+#include "config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace ldp {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Config, WhatIsPrintedReadsBackTheSame) {
+  Config config;
+  config.camera = "v4l2:/dev/video2?width=640";
+  config.status = {"console:", "lcm:memq://"};
+  config.mode = ButtonMode::toggle;
+  config.overlap = 0.6;
+  config.memory_limit_mib = 300;
+  config.options = {"--layers", "2"};
+  const std::string text = config_text(config);
+  const CheckedConfig checked = parse_config(text);
+  EXPECT_TRUE(checked.mistakes.empty()) << checked.mistakes[0].text;
+  EXPECT_EQ(config_text(checked.config), text);
+}
+
+TEST(Config, TheDefaultsAreGood) { EXPECT_TRUE(parse_config(config_text(Config())).mistakes.empty()); }
+
+TEST(Config, EveryMistakeIsNamedWithItsLine) {
+  const CheckedConfig checked = parse_config(
+      "camera = \"webcam:0\"\n"
+      "buton = \"keyboard:\"\n"
+      "status = \"console:\"\n"
+      "[sweep]\n"
+      "overlap = 2.0\n"
+      "mode = \"press\"\n"
+      "max_frames = 3.5\n"
+      "[build]\n"
+      "options = [1]\n"
+      "[network]\n"
+      "port = 80\n");
+  ASSERT_EQ(checked.mistakes.size(), 8U);
+  const std::pair<int, const char*> expected[] = {{1, "webcam"},     {2, "buton"}, {3, "list"},    {5, "0.3 to 0.95"},
+                                                  {6, "\"toggle\""}, {7, "whole"}, {9, "options"}, {10, "network"}};
+  for (size_t i = 0; i < std::size(expected); ++i) {
+    EXPECT_EQ(checked.mistakes[i].line, expected[i].first) << checked.mistakes[i].text;
+    EXPECT_THAT(checked.mistakes[i].text, HasSubstr(expected[i].second));
+  }
+}
+
+TEST(Config, TextThatIsNotTomlIsNamedWithItsLine) {
+  const CheckedConfig checked = parse_config("camera = \"folder:x\"\noverlap = = 3\n");
+  ASSERT_EQ(checked.mistakes.size(), 1U);
+  EXPECT_EQ(checked.mistakes[0].line, 2);
+}
+
+TEST(Config, AMissingFileIsAMistake) { EXPECT_EQ(read_config("/nowhere/ldpd.toml").mistakes.size(), 1U); }
+
+}  // namespace
+}  // namespace ldp

@@ -1,0 +1,139 @@
+// Messages over LCM inside the process (memq), and what happens to datagrams of strangers.
+#include <gtest/gtest.h>
+#include <poll.h>
+
+#include <lcm/lcm-cpp.hpp>
+#include <random>
+
+#include "lcm_messages.h"
+#include "status.h"
+
+namespace ldp {
+namespace {
+
+constexpr const char* kUrl = "lcm:memq://";
+
+TEST(Lcm, EveryKindOfMessageArrivesAsItWasSent) {
+  const auto channel = open_status(kUrl);
+  const auto listener = open_status_listener(kUrl);
+  channel->publish(Status{Phase::capturing, "sweep_000001", "turn slowly", 7, 12});
+  channel->publish(Progress{"sweep_000001", "poses", 0.25});
+  channel->publish(Guidance{Advice::slower, 1.5, 0.5, -3, 0.4, 9});
+  channel->publish(Result{"sweep_000001", "/x/sweep_000001.ldp", true, "built", 4.5});
+  const auto status = listener->read();
+  ASSERT_TRUE(status);
+  EXPECT_GT(status->utc_ns, 0);
+  EXPECT_EQ(std::get<Status>(status->message).text, "turn slowly");
+  EXPECT_EQ(std::get<Status>(status->message).sweeps_left, 12);
+  EXPECT_EQ(std::get<Progress>(listener->read()->message).fraction, 0.25);
+  EXPECT_EQ(std::get<Guidance>(listener->read()->message).advice, Advice::slower);
+  EXPECT_EQ(std::get<Result>(listener->read()->message).file, "/x/sweep_000001.ldp");
+  EXPECT_FALSE(listener->read());
+  EXPECT_EQ(listener->ignored(), 0);
+}
+
+TEST(Lcm, CommandsReachTheDevice) {
+  const auto channel = open_status(kUrl);
+  const auto listener = open_status_listener(kUrl);
+  listener->send(Command::cancel);
+  EXPECT_EQ(channel->read(), Command::cancel);
+  EXPECT_EQ(channel->read(), std::nullopt);
+}
+
+TEST(Lcm, LongAndStrangeTextsTravel) {
+  const auto channel = open_status(kUrl);
+  const auto listener = open_status_listener(kUrl);
+  channel->publish(Status{Phase::idle, "", std::string(100'000, 'x'), 0, 0});
+  channel->publish(Status{Phase::idle, "", std::string("a\0b", 3), 0, 0});
+  EXPECT_EQ(std::get<Status>(listener->read()->message).text.size(), 1000U);
+  EXPECT_EQ(std::get<Status>(listener->read()->message).text, "a");
+}
+
+const StatusMessage kMessages[] = {Status{Phase::done, "sweep_000001", "text", 7, 12},
+                                   Progress{"sweep_000001", "poses", 0.25}, Guidance{},
+                                   Result{"sweep_000001", "file", true, "built", 4.5}};
+
+// Noise, and good messages with bytes changed, cut off or added.
+std::vector<uint8_t> damaged(std::mt19937& random, const std::vector<uint8_t>& good) {
+  std::vector<uint8_t> bytes = good;
+  if (random() % 4 == 0) {
+    bytes.resize(random() % 200);
+    for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random());
+    return bytes;
+  }
+  for (unsigned changes = random() % 4; changes > 0; --changes)
+    bytes[random() % bytes.size()] = static_cast<uint8_t>(random());
+  if (random() % 2 == 0) bytes.resize(random() % (bytes.size() + 8));
+  return bytes;
+}
+
+TEST(Lcm, AHundredThousandRandomDatagramsOnEveryChannelDoNoHarm) {
+  std::mt19937 random(1);
+  for (const StatusMessage& message : kMessages) {
+    const std::vector<uint8_t> good = encode_message(message);
+    const char* const channel = kMessageChannels[message.index()];
+    ASSERT_TRUE(decode_message(channel, good));
+    int refused = 0;
+    for (int i = 0; i < 100'000; ++i) {
+      const auto heard = decode_message(channel, damaged(random, good));
+      if (!heard) ++refused;
+      if (heard) {
+        EXPECT_EQ(heard->message.index(), message.index());
+      }
+    }
+    EXPECT_GT(refused, 50'000);
+  }
+  const std::vector<uint8_t> good = encode_command(Command::cancel);
+  for (int i = 0; i < 100'000; ++i) {
+    const auto command = decode_command(damaged(random, good));
+    if (command) {
+      EXPECT_LE(*command, Command::retry);
+    }
+  }
+}
+
+TEST(Lcm, EveryTruncationIsRefused) {
+  for (const StatusMessage& message : kMessages) {
+    const std::vector<uint8_t> good = encode_message(message);
+    for (size_t size = 0; size < good.size(); ++size) {
+      EXPECT_FALSE(decode_message(kMessageChannels[message.index()], std::span(good).first(size)));
+    }
+  }
+}
+
+TEST(Lcm, AStringOfNegativeLengthIsRefused) {
+  std::vector<uint8_t> bytes = encode_message(kMessages[1]);
+  for (size_t i = 28; i < 32; ++i) bytes[i] = 0xFF;  // after hash, version and two clocks: the length of `capture`
+  EXPECT_FALSE(decode_message("LDP_PROGRESS", bytes));
+  for (size_t i = 28; i < 32; ++i) bytes[i] = 0;
+  EXPECT_FALSE(decode_message("LDP_PROGRESS", bytes));
+}
+
+TEST(Lcm, RandomDatagramsThroughTheNetworkOnlyCount) {
+  constexpr const char* kNetwork = "udpm://239.255.76.71:7691?ttl=0";
+  lcm::LCM stranger(kNetwork);
+  if (!stranger.good()) GTEST_SKIP() << "no multicast here (ip route add 224.0.0.0/4 dev lo)";
+  const auto channel = open_status(std::string("lcm:") + kNetwork);
+  std::mt19937 random(2);
+  const std::vector<uint8_t> noise(64, 0x5A);
+  const auto arrived = [&] {
+    while (channel->read()) {
+    }
+    return channel->ignored();
+  };
+  for (int attempt = 0; attempt < 2000 && arrived() < 100; ++attempt)
+    stranger.publish(kCommandChannel, noise.data(), 64);
+  if (channel->ignored() == 0) GTEST_SKIP() << "multicast does not come back here";
+  EXPECT_GE(channel->ignored(), 100);
+  open_status_listener(std::string("lcm:") + kNetwork)->send(Command::retry);
+  std::optional<Command> command;
+  for (int attempt = 0; attempt < 1000 && !command; ++attempt) {
+    pollfd entry{channel->fd(), POLLIN, 0};
+    poll(&entry, 1, 10);
+    command = channel->read();
+  }
+  EXPECT_EQ(command, Command::retry);
+}
+
+}  // namespace
+}  // namespace ldp
