@@ -18,7 +18,7 @@ int64_t ceil_div(int64_t a, int64_t b) { return a > 0 ? (a - 1) / b + 1 : -(-a /
 
 LineTable::LineTable(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, const std::vector<VisibilityMap>& visibility,
                      int margin_px)
-    : frames_(frames), grid_(grid), visibility_(visibility), margin_px_(margin_px) {
+    : frames_(frames), grid_(grid), visibility_(visibility.empty() ? nullptr : &visibility), margin_px_(margin_px) {
   const Eigen::Matrix3d& axes = grid.arc.world_from_arc;
   for (const UprightFrame& frame : frames) {
     const UprightCamera& camera = frame.camera;
@@ -88,8 +88,8 @@ bool LineTable::make_line(size_t view, double cosine, double sine, double invers
   constexpr int64_t kFar = 1 << 30;
   line.y_begin = static_cast<int>(std::clamp(ceil_div(first * 65536 - line.row_q16, line.step_q16), -kFar, kFar));
   line.y_end = static_cast<int>(std::clamp(ceil_div(last * 65536 - line.row_q16, line.step_q16), -kFar, kFar));
-  if (visibility_.empty()) return true;
-  const VisibilityMap& map = visibility_[view];
+  if (!visibility_) return true;
+  const VisibilityMap& map = (*visibility_)[view];
   const int nearest = line.weight < kernels::kWeightOne / 2 ? x : x + 1;
   line.surface = map.inverse_z.row(std::min(nearest / map.shrink, map.inverse_z.height - 1));
   line.surface_shrink = map.shrink;

@@ -33,7 +33,7 @@ struct Lines {
 
 class LineTable {
  public:
-  // Frames and visibility must outlive the table. `margin_px`: columns past the grid's ends that may be asked for.
+  // Frames, and visibility unless empty, must outlive the table. `margin_px`: columns past the grid's ends that may be asked for.
   LineTable(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, const std::vector<VisibilityMap>& visibility,
             int margin_px);
 
@@ -51,7 +51,7 @@ class LineTable {
 
   const std::vector<UprightFrame>& frames_;
   PanoramaGrid grid_;
-  const std::vector<VisibilityMap>& visibility_;
+  const std::vector<VisibilityMap>* visibility_ = nullptr;  // null = everything is visible
   int margin_px_ = 0;
   std::vector<View> views_;
   std::vector<std::array<double, 2>> outward_;        // cosine and sine of each column's theta

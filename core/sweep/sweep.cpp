@@ -56,7 +56,7 @@ Sweep::Sweep(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, 
   if (!behind.empty() && (behind.width != grid.width || behind.height != grid.height)) {
     throw std::logic_error("sweep: the disparity in front must have the grid's size");
   }
-  tables_.reset(new Tables{frames, grid, behind, options, LineTable(frames, grid, visibility, kHalo), 0, {}, {}});
+  tables_.reset(new Tables{frames, grid, behind.empty() ? nullptr : &behind, options, LineTable(frames, grid, visibility, kHalo), 0, {}, {}});
   for (const UprightFrame& frame : frames) tables_->longest_column = std::max(tables_->longest_column, frame.columns.width);
 }
 
@@ -88,7 +88,7 @@ void Sweep::read(const Window& window, uint8_t* cost, uint8_t* median) const {
     }
   }
   t.give_back(std::move(scratch));
-  if (!t.behind.empty()) forbid_front(window, cost);
+  if (t.behind) forbid_front(window, cost);
 }
 
 // A label is behind the layers in front only if its whole interval is.
@@ -98,7 +98,7 @@ void Sweep::forbid_front(const Window& window, uint8_t* cost) const {
   for (int x = 0; x < window.width; ++x) {
     const int column = t.grid.wraps ? (window.x + x) % t.grid.width : window.x + x;
     for (int y = 0; y < window.height; ++y, cost += labels) {
-      const uint16_t front = t.behind.at(column, window.y + y);
+      const uint16_t front = t.behind->at(column, window.y + y);
       if (front == kNoDisparity) continue;
       for (int label = 0; label < labels; ++label) {
         if ((2 * label + 1) * kDisparitySteps >= 2 * (labels - 1) * front) cost[label] = 255;

@@ -25,7 +25,8 @@ struct SweepOptions {
 class Sweep final : public CostSource {
  public:
   // `visibility` is empty (everything is visible) or has one map per frame. `behind` is empty, or gives for each pixel
-  // the disparity of the layers in front: labels at or in front of it get cost 255. References must outlive the sweep.
+  // the disparity of the layers in front: labels at or in front of it get cost 255. What is referred to and not empty must
+  // outlive the sweep.
   Sweep(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, const std::vector<VisibilityMap>& visibility,
         const DisparityMap& behind, const SweepOptions& options);
   ~Sweep() override;

@@ -20,7 +20,7 @@ struct SweepScratch {
 struct Sweep::Tables {
   const std::vector<UprightFrame>& frames;
   PanoramaGrid grid;
-  const DisparityMap& behind;
+  const DisparityMap* behind = nullptr;  // null = nothing is in front
   SweepOptions options;
   LineTable lines;
   int longest_column = 0;
