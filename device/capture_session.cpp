@@ -35,19 +35,35 @@ std::filesystem::path program_beside_us() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "ldp";
 }
 
+UniqueFd event_descriptor() {
+  UniqueFd fd(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
+  if (!fd.is_open()) throw_errno("cannot make an event descriptor");
+  return fd;
+}
+
+UniqueFd ending_signals() {
+  sigset_t wanted;
+  sigemptyset(&wanted);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&wanted, signal);
+  ::pthread_sigmask(SIG_BLOCK, &wanted, nullptr);
+  UniqueFd fd(::signalfd(-1, &wanted, SFD_NONBLOCK | SFD_CLOEXEC));
+  if (!fd.is_open()) throw_errno("cannot receive signals");
+  return fd;
+}
+
 }  // namespace
 
+// Signals are blocked before any thread starts, or a thread that does not block them would be ended by them.
 CaptureSession::CaptureSession(Config config, Run run, std::stop_token stop)
-    : config_(std::move(config)), run_(run), store_(config_.output) {
+    : config_(std::move(config)),
+      run_(run),
+      end_request_(stop.stop_possible() ? event_descriptor() : ending_signals()),
+      store_(config_.output) {
   if (stop.stop_possible()) {
-    end_request_.reset(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
-    if (!end_request_.is_open()) throw_errno("cannot make an event descriptor");
     on_stop_.emplace(std::move(stop), [fd = end_request_.get()] {
       const uint64_t one = 1;
       [[maybe_unused]] const ssize_t put = ::write(fd, &one, sizeof one);
     });
-  } else {
-    receive_signals();
   }
   for (const std::string& url : config_.status) pending_statuses_.push_back({url, {}});
   open_statuses_again();
@@ -64,15 +80,6 @@ CaptureSession::CaptureSession(Config config, Run run, std::stop_token stop)
     if (wants && capture.frames >= config_.min_frames) backlog_.push_back(capture.name);
   }
   open_button_again(monotonic_now_ns());
-}
-
-void CaptureSession::receive_signals() {
-  sigset_t wanted;
-  sigemptyset(&wanted);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&wanted, signal);
-  ::pthread_sigmask(SIG_BLOCK, &wanted, nullptr);
-  end_request_.reset(::signalfd(-1, &wanted, SFD_NONBLOCK | SFD_CLOEXEC));
-  if (!end_request_.is_open()) throw_errno("cannot receive signals");
 }
 
 // --- the loop --------------------------------------------------------------------------------------------------------

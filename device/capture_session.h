@@ -69,7 +69,6 @@ class CaptureSession {
   void fail_build(const std::string& reason);
   BuildCommand build_command() const;
 
-  void receive_signals();
   void open_button_again(int64_t now_ns);
   void open_statuses_again();
   void serve_button();
@@ -89,6 +88,7 @@ class CaptureSession {
 
   Config config_;
   Run run_;
+  UniqueFd end_request_;  // readable when the session is to end
   CaptureStore store_;
   ServiceNotice notice_;
   FrameWriter writer_;
@@ -98,7 +98,6 @@ class CaptureSession {
   std::unique_ptr<Button> button_;
   std::unique_ptr<Sweep> sweep_;
   std::unique_ptr<BuildChild> build_;
-  UniqueFd end_request_;  // readable when the session is to end
   std::optional<std::stop_callback<std::function<void()>>> on_stop_;
 
   Phase phase_ = Phase::idle;

@@ -86,6 +86,7 @@ double FrameChooser::step_to(const GreyImage& thumbnail, double* tilt_px) {
       shift = chained;
       before = previous_->step;
     }
+    if (shift.match < kGoodMatch) return previous_->step + speed_ * frame_interval_s_;  // blind: on as before
   }
   *tilt_px = tilt_before_ + shift.dy_px;
   const double left = -shift.dx_px / thumbnail.width;  // content moves left: the camera turns right

@@ -1,0 +1,468 @@
+// The service as a whole, as a process: simulated camera and button, a stand-in for the build, and everything that can
+// go wrong on the way. LDP_KILLS=200 is the long form of the kill tests.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <sstream>
+#include <thread>
+
+#include "images.h"
+#include "status.h"
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+using testing::Not;
+
+double hashed(int x, int y) {
+  uint32_t hash = static_cast<uint32_t>(x) * 0x9E3779B1U ^ static_cast<uint32_t>(y) * 0x85EBCA77U;
+  hash = (hash ^ (hash >> 15)) * 0x2C1B3C6DU;
+  return static_cast<double>((hash ^ (hash >> 13)) % 1000) / 999.0;
+}
+
+// Smooth noise with cells of one unit.
+double value_noise(double x, double y) {
+  const int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
+  const double a = x - column, b = y - row;
+  const double top = hashed(column, row) * (1 - a) + hashed(column + 1, row) * a;
+  const double bottom = hashed(column, row + 1) * (1 - a) + hashed(column + 1, row + 1) * a;
+  return top * (1 - b) + bottom * b;
+}
+
+// A view of an endless made-up landscape.
+RgbImage view_at(double offset_px, int width, int height) {
+  RgbImage image(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double u = (x + offset_px) / width * 24, v = static_cast<double>(y) / width * 24;
+      const double level = 20 + 90 * value_noise(u, v) + 50 * value_noise(u * 0.31, v * 0.31 + 100);
+      const auto grey = static_cast<uint8_t>(std::clamp(level, 0.0, 255.0));
+      image.at(x, y) = {grey, grey, static_cast<uint8_t>(grey / 2)};
+    }
+  }
+  return image;
+}
+
+struct Finished {
+  int status = -1;  // exit status, or -1 when killed
+  std::string said;
+};
+
+std::string text_of(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+class Process {
+ public:
+  Process(std::vector<std::string> words, fs::path output) : output_(std::move(output)) {
+    pid_ = fork();
+    if (pid_ != 0) return;
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (!freopen(output_.c_str(), "a", stderr) || !freopen("/dev/null", "w", stdout)) _exit(126);
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    execvp(arguments[0], arguments.data());
+    _exit(127);
+  }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+  ~Process() {
+    if (!over_) stop(SIGKILL);
+  }
+
+  bool says(const std::string& what, int seconds = 60) const {
+    const auto until = Clock::now() + std::chrono::seconds(seconds);
+    while (Clock::now() < until) {
+      if (text_of(output_).find(what) != std::string::npos) return true;
+      std::this_thread::sleep_for(milliseconds(5));
+    }
+    return false;
+  }
+  bool runs() const { return kill(pid_, 0) == 0 && waitpid(pid_, nullptr, WNOHANG) == 0; }
+  Finished stop(int signal) {
+    kill(pid_, signal);
+    return wait();
+  }
+  Finished wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    over_ = true;
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(output_)};
+  }
+  pid_t pid() const { return pid_; }
+
+ private:
+  fs::path output_;
+  pid_t pid_ = -1;
+  bool over_ = false;
+};
+
+class LdpdTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = testing::TempDir() + "ldpd_XXXXXX";
+    room_ = mkdtemp(name.data());
+    make_frames(14, 200, 150);
+    build_program("echo '0.5 poses' >&3");
+    script("press wait 700 release");
+  }
+  void TearDown() override { fs::remove_all(room_); }
+
+  void make_frames(int count, int width, int height) {
+    fs::create_directories(room_ / "frames");
+    for (int i = 0; i < count; ++i) {
+      char file[32];
+      std::snprintf(file, sizeof file, "frame_%03d.jpg", i);
+      write_file(room_ / "frames" / file, encode_jpeg(view_at(i * width * 0.2, width, height), 95));
+    }
+  }
+
+  // Stands for `ldp build CAPTURE -o FILE ...`: does `before`, then writes FILE.
+  void build_program(const std::string& before) {
+    std::ofstream(room_ / "build")
+        << "#!/bin/bash\ncapture=$2\n"
+        << before << "\nwhile [ $# -gt 0 ]; do [ \"$1\" = -o ] && ls \"$capture\" > \"$2\"; shift; done\n";
+    fs::permissions(room_ / "build", fs::perms::owner_all);
+  }
+  void script(const std::string& words) { std::ofstream(room_ / "script") << words << "\n"; }
+  void configure(const std::string& more = "") {
+    std::ofstream(room_ / "ldpd.toml") << "[build]\nprogram = \"" << (room_ / "build").string() << "\"\n[sweep]\n"
+                                       << more;
+  }
+
+  std::vector<std::string> command(const std::vector<std::string>& more, const std::string& camera_options = "") {
+    if (!fs::exists(room_ / "ldpd.toml")) configure();
+    std::vector<std::string> words{LDPD_PROGRAM,
+                                   "--config",
+                                   (room_ / "ldpd.toml").string(),
+                                   "--camera",
+                                   "folder:" + (room_ / "frames").string() + "?fps=60" + camera_options,
+                                   "--button",
+                                   "script:" + (room_ / "script").string(),
+                                   "--output",
+                                   (room_ / "out").string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  Finished run_once(const std::string& camera_options = "") {
+    return Process(command({"--once"}, camera_options), room_ / "said").wait();
+  }
+
+  fs::path capture(int number = 1) const { return room_ / "out" / ("sweep_00000" + std::to_string(number)); }
+  fs::path panorama(int number = 1) const { return capture(number).string() + ".ldp"; }
+  static int frames_in(const fs::path& folder) {
+    int frames = 0;
+    if (!fs::exists(folder)) return 0;
+    for (const auto& entry : fs::directory_iterator(folder)) frames += entry.path().extension() == ".jpg" ? 1 : 0;
+    return frames;
+  }
+
+  // Every frame under OUTPUT is byte by byte one of the camera's, and nothing temporary is left.
+  void expect_whole(bool no_temporaries) const {
+    std::vector<std::vector<uint8_t>> originals;
+    for (const auto& entry : fs::directory_iterator(room_ / "frames")) originals.push_back(read_file(entry.path()));
+    for (const auto& entry : fs::recursive_directory_iterator(room_ / "out")) {
+      if (entry.path().extension() == ".jpg") {
+        EXPECT_TRUE(std::count(originals.begin(), originals.end(), read_file(entry.path())) > 0) << entry.path();
+      }
+      if (no_temporaries) {
+        EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+      }
+    }
+  }
+
+  fs::path room_;
+};
+
+int kills() {
+  const char* const wanted = std::getenv("LDP_KILLS");
+  return wanted != nullptr ? std::atoi(wanted) : 10;
+}
+
+TEST_F(LdpdTest, OneSweepBecomesAPanorama) {
+  const Finished run = run_once();
+  EXPECT_EQ(run.status, 0) << run.said;
+  EXPECT_EQ(frames_in(capture()), 14) << run.said;
+  EXPECT_THAT(text_of(panorama()), HasSubstr("frame_013.jpg"));
+  EXPECT_THAT(text_of(capture() / "capture.json"), HasSubstr("\"complete\": true"));
+  EXPECT_FALSE(fs::exists(capture() / "build.json"));
+  expect_whole(true);
+}
+
+TEST_F(LdpdTest, AFailedBuildKeepsTheFramesAndTheReason) {
+  build_program("echo 'ldp build: no parallax' >&2; exit 1");
+  const Finished run = run_once();
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.said, HasSubstr("no parallax"));
+  EXPECT_EQ(frames_in(capture()), 14);
+  EXPECT_THAT(text_of(capture() / "build.json"), HasSubstr("no parallax"));
+  EXPECT_FALSE(fs::exists(panorama()));
+}
+
+TEST_F(LdpdTest, ACrashOfTheBuildIsAFailureWithItsReason) {
+  build_program("kill -SEGV $$");
+  const Finished run = run_once();
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.said, HasSubstr("Segmentation fault"));
+}
+
+TEST_F(LdpdTest, AnUnpluggedCameraBuildsWhatWasTaken) {
+  const Finished run = run_once("&lost_after=8");
+  EXPECT_EQ(run.status, 0) << run.said;
+  EXPECT_THAT(run.said, HasSubstr("unplugged"));
+  EXPECT_EQ(frames_in(capture()), 8);
+  EXPECT_TRUE(fs::exists(panorama()));
+}
+
+TEST_F(LdpdTest, ASilentCameraCountsAsLost) {
+  configure("lost_after_seconds = 0.3\n");
+  script("press wait 60000 release");
+  const Finished run = run_once("&stall_after=6");
+  EXPECT_EQ(run.status, 0) << run.said;
+  EXPECT_THAT(run.said, HasSubstr("no more frames"));
+}
+
+TEST_F(LdpdTest, ATooShortSweepSaysWhatToDo) {
+  script("press wait 40 release");
+  const Finished run = run_once();
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.said, HasSubstr("at least 4 are needed"));
+}
+
+TEST_F(LdpdTest, AMissingCameraIsNamed) {
+  std::vector<std::string> words = command({"--once"});
+  words[4] = "folder:" + (room_ / "nowhere").string();
+  const Finished run = Process(words, room_ / "said").wait();
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.said, HasSubstr("nowhere"));
+}
+
+TEST_F(LdpdTest, AFullDiskRefusesTheSweepInSweepsLeft) {
+  configure("reserve_mib = 1000000\n");
+  const Finished run = run_once();
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.said, HasSubstr("0 sweeps left"));
+}
+
+TEST_F(LdpdTest, BadConfigurationIsExitStatus78WithTheLine) {
+  std::ofstream(room_ / "ldpd.toml") << "camera = 7\n";
+  const Finished run = run_once();
+  EXPECT_EQ(run.status, 78);
+  EXPECT_THAT(run.said, HasSubstr("ldpd.toml:1: camera"));
+}
+
+TEST_F(LdpdTest, APressWhileBuildingIsRefusedAndNothingIsLost) {
+  build_program("sleep 0.6");
+  script("press wait 700 release wait 200 press wait 50 release wait 1500 press wait 700 release");
+  Process service(command({}), room_ / "said");
+  EXPECT_TRUE(service.says("please wait"));
+  EXPECT_TRUE(service.says("sweep_000002.ldp is ready"));
+  EXPECT_TRUE(service.runs());
+  const Finished end = service.stop(SIGTERM);
+  EXPECT_EQ(end.status, 0);
+  EXPECT_EQ(frames_in(capture(1)), 14);
+  EXPECT_EQ(frames_in(capture(2)), 14);
+  EXPECT_FALSE(fs::exists(capture(3)));
+}
+
+TEST_F(LdpdTest, InToggleModeAHeldButtonCancelsTheSweep) {
+  configure("mode = \"toggle\"\nmax_seconds = 20\n");
+  script("press wait 3300 release");
+  const Finished run = run_once();
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.said, HasSubstr("cancelled"));
+  EXPECT_FALSE(fs::exists(capture()));
+}
+
+TEST_F(LdpdTest, InToggleModeASecondPressEndsTheSweep) {
+  configure("mode = \"toggle\"\n");
+  script("press wait 50 release wait 700 press wait 50 release");
+  const Finished run = run_once();
+  EXPECT_EQ(run.status, 0) << run.said;
+  EXPECT_EQ(frames_in(capture()), 14);
+}
+
+TEST_F(LdpdTest, ShutDownInMidBuildLeavesItForTheNextStart) {
+  build_program("[ -e \"$capture.go\" ] || exec sleep 100");
+  Process service(command({}), room_ / "said");
+  ASSERT_TRUE(service.says("building sweep_000001"));
+  const Finished end = service.stop(SIGTERM);
+  EXPECT_EQ(end.status, 0);
+  EXPECT_FALSE(fs::exists(panorama()));
+  std::ofstream(capture().string() + ".go") << "x";
+  script("wait 1");
+  Process again(command({}), room_ / "said2");
+  EXPECT_TRUE(again.says("sweep_000001.ldp is ready"));
+  again.stop(SIGTERM);
+}
+
+TEST_F(LdpdTest, AFailedBuildIsNotTriedAgainByItself) {
+  build_program("echo broken >&2; exit 1");
+  run_once();
+  build_program("");
+  script("wait 1");
+  Process service(command({}), room_ / "said2");
+  EXPECT_TRUE(service.says("ready"));
+  std::this_thread::sleep_for(milliseconds(300));
+  service.stop(SIGTERM);
+  EXPECT_FALSE(fs::exists(panorama()));
+}
+
+TEST_F(LdpdTest, TheBuildDiesWithTheService) {
+  build_program("echo $$ > \"$capture.pid\"; exec sleep 100");
+  Process service(command({}), room_ / "said");
+  const fs::path pid_file = capture().string() + ".pid";
+  ASSERT_TRUE(service.says("building sweep_000001"));
+  while (text_of(pid_file).find('\n') == std::string::npos) std::this_thread::sleep_for(milliseconds(5));
+  const pid_t build = std::atoi(text_of(pid_file).c_str());
+  service.stop(SIGKILL);
+  bool gone = false;
+  for (int i = 0; i < 1000 && !gone; ++i) {
+    const std::string stat = text_of("/proc/" + std::to_string(build) + "/stat");
+    gone = stat.empty() || stat.find(") Z ") != std::string::npos;
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  EXPECT_TRUE(gone);
+}
+
+// After a kill at any moment: what was reported stored is there and whole, and the next start builds it.
+TEST_F(LdpdTest, KilledAtAnyMomentNothingStoredIsLostAndTheNextStartBuildsIt) {
+  build_program("sleep 0.15");
+  configure("min_frames = 3\n");
+  std::mt19937 random(
+      static_cast<unsigned>(std::getenv("LDP_KILL_SEED") ? std::atoi(std::getenv("LDP_KILL_SEED")) : 1));
+  for (int i = 0; i < kills(); ++i) {
+    SCOPED_TRACE("kill " + std::to_string(i));
+    fs::remove_all(room_ / "out");
+    fs::remove(room_ / "said");
+    fs::remove(room_ / "said2");
+    script("press wait 400 release");
+    int stored = 0;
+    {
+      Process service(command({"--status", "console:"}), room_ / "said");
+      std::this_thread::sleep_for(std::chrono::microseconds(random() % 900'000));
+      service.stop(SIGKILL);
+    }
+    if (!fs::exists(capture())) continue;  // killed before the press
+    stored = frames_in(capture());
+    expect_whole(false);
+    script("wait 1");
+    Process again(command({"--status", "console:"}), room_ / "said2");
+    ASSERT_TRUE(again.says("ready"));
+    if (stored >= 3 && !fs::exists(panorama())) {
+      EXPECT_TRUE(again.says("sweep_000001.ldp is ready", 20)) << text_of(room_ / "said2");
+    }
+    again.stop(SIGTERM);
+    EXPECT_EQ(frames_in(capture()), stored);
+    EXPECT_EQ(fs::exists(panorama()), stored >= 3);
+    expect_whole(true);
+  }
+}
+
+TEST_F(LdpdTest, ABuildKilledAtAnyMomentIsAFailureAndTheServiceGoesOn) {
+  build_program("echo $$ > \"$capture.pid\"; echo '0.2 poses' >&3; sleep 0.3");
+  std::mt19937 random(2);
+  for (int i = 0; i < std::max(1, kills() / 5); ++i) {
+    SCOPED_TRACE("kill " + std::to_string(i));
+    fs::remove_all(room_ / "out");
+    fs::remove(room_ / "said");
+    Process service(command({}), room_ / "said");
+    const fs::path pid_file = capture().string() + ".pid";
+    while (text_of(pid_file).find('\n') == std::string::npos) std::this_thread::sleep_for(milliseconds(2));
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 280'000));
+    kill(std::atoi(text_of(pid_file).c_str()), SIGKILL);
+    EXPECT_TRUE(service.says("failed: the build was killed"));
+    EXPECT_TRUE(service.runs());
+    service.stop(SIGTERM);
+    EXPECT_EQ(frames_in(capture()), 14);
+    EXPECT_FALSE(fs::exists(panorama()));
+    EXPECT_TRUE(fs::is_empty(room_ / "out" / ".building"));
+  }
+}
+
+// The disk fills up in mid-sweep, with so many KiB left for the writes that follow.
+TEST_F(LdpdTest, ADiskThatFillsUpKeepsEveryFrameThatWasStored) {
+  configure("reserve_mib = 0\n");
+  fs::create_directories(room_ / "out");
+  const std::string out = (room_ / "out").string();
+  for (const int left_kib : {0, 4, 8, 12, 16, 24, 40}) {
+    SCOPED_TRACE(left_kib);
+    fs::remove(room_ / "said");
+    std::string line = "mount -t tmpfs -o size=40m none " + out + " || exit 99; (while [ ! -e " + out +
+                       "/sweep_000001/frame_002.jpg ]; do sleep 0.01; done; head -c $(($(df -k --output=avail " + out +
+                       " | tail -1) - " + std::to_string(left_kib) + "))K /dev/zero > " + out + "/filler) & ";
+    for (const std::string& word : command({"--once", "--status", "console:"})) line += "'" + word + "' ";
+    line += "; status=$?; rm -f " + out + "/filler; cp -r " + out + " " + (room_ / "copy").string() + "; exit $status";
+    const Finished run = Process({"unshare", "-rm", "bash", "-c", line}, room_ / "said").wait();
+    if (run.status == 99 || run.status == 127 || run.said.find("unshare") != std::string::npos) {
+      GTEST_SKIP() << "no small disk can be mounted here: " << run.said;
+    }
+    EXPECT_THAT(run.said, HasSubstr("No space left on device")) << "the disk did not fill up";
+    const size_t stored_at = run.said.find(" frames are stored");
+    ASSERT_NE(stored_at, std::string::npos) << run.said;
+    const size_t number_at = run.said.rfind('(', stored_at) + 1;
+    EXPECT_GE(frames_in(room_ / "copy" / "sweep_000001"), std::atoi(run.said.c_str() + number_at));
+    fs::remove_all(room_ / "out");
+    fs::rename(room_ / "copy", room_ / "out");
+    expect_whole(true);
+    fs::remove_all(room_ / "out");
+    fs::create_directories(room_ / "out");
+  }
+}
+
+TEST_F(LdpdTest, TheMessagesOfASweepPassOverLcm) {
+  constexpr const char* kUrl = "lcm:udpm://239.255.76.72:7692?ttl=0";
+  std::unique_ptr<StatusListener> listener;
+  try {
+    listener = open_status_listener(kUrl);
+  } catch (const std::exception& error) {
+    GTEST_SKIP() << error.what();
+  }
+  Process service(command({"--once", "--status", kUrl}), room_ / "said");
+  EXPECT_EQ(service.wait().status, 0);
+  std::vector<int> kinds(4, 0);
+  while (const auto heard = listener->read()) ++kinds[heard->message.index()];
+  if (kinds == std::vector<int>(4, 0)) GTEST_SKIP() << "multicast does not come back here";
+  EXPECT_GT(kinds[0], 3);
+  EXPECT_EQ(kinds[1], 1);
+  EXPECT_GT(kinds[2], 0);
+  EXPECT_EQ(kinds[3], 1);
+}
+
+TEST_F(LdpdTest, LdpCaptureWritesACaptureFolderAndNothingElse) {
+  const std::vector<std::string> words{LDP_DEVICE_PROGRAM,
+                                       "capture",
+                                       "--camera",
+                                       "folder:" + (room_ / "frames").string() + "?fps=60",
+                                       "--button",
+                                       "script:" + (room_ / "script").string(),
+                                       "-o",
+                                       (room_ / "cap").string()};
+  EXPECT_EQ(Process(words, room_ / "said").wait().status, 0);
+  EXPECT_EQ(frames_in(room_ / "cap"), 14);
+  EXPECT_EQ(std::distance(fs::directory_iterator(room_ / "cap"), fs::directory_iterator()), 15);
+  const Finished again = Process(words, room_ / "said").wait();
+  EXPECT_EQ(again.status, 2);
+  EXPECT_THAT(again.said, HasSubstr("not empty"));
+}
+
+}  // namespace
+}  // namespace ldp
