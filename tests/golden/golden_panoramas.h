@@ -1,0 +1,56 @@
+// The golden files: their names, their panoramas and how they are encoded; and the checksums of decoded planes as
+// tests/ldp_reader.py prints them.
+#pragma once
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "crc32c.h"
+#include "ldp_file.h"
+#include "synthetic_panorama.h"
+
+namespace ldp {
+
+struct Golden {
+  const char* name;
+  SyntheticOptions panorama;
+  LdpEncodeOptions encode;
+};
+
+inline std::vector<Golden> golden_files() {
+  return {{"uniform_lossless", {200, 90, 0, 3, false, Rays::pushbroom, false}, {101, LdpCodec::none}},
+          {"blocks_alpha_wraps", {600, 60, 12, 4, true, Rays::central, true}, {85, LdpCodec::webp}},
+          {"jpeg_one_layer", {97, 53, 8, 1, false, Rays::pushbroom, false}, {95, LdpCodec::none}},
+          {"tiny", {5, 3, 0, 2, false, Rays::pushbroom, false}, {90, LdpCodec::none}}};
+}
+
+inline std::string plane_checksums(const LayeredPanorama& panorama) {
+  std::string text;
+  for (size_t l = 0; l < panorama.layers.size(); ++l) {
+    const Layer& layer = panorama.layers[l];
+    std::vector<uint8_t> disparity, alpha, colour;
+    for (const uint16_t d : decode_depth(layer.depth, layer.coverage).samples) {
+      disparity.push_back(static_cast<uint8_t>(d & 255));
+      disparity.push_back(static_cast<uint8_t>(d >> 8));
+    }
+    for (size_t i = 0; i < layer.coverage.samples.size(); ++i) {
+      alpha.push_back(!layer.coverage.samples[i] ? 0 : layer.alpha.empty() ? 255 : layer.alpha.samples[i]);
+      const Rgb c = layer.colour.samples[i];
+      colour.insert(colour.end(), {c.r, c.g, c.b});
+    }
+    const auto print = [&](const char* name, const std::vector<uint8_t>& bytes) {
+      char line[64];
+      std::snprintf(line, sizeof line, "layer %d %s %08x\n", static_cast<int>(l) + 1, name,
+                    static_cast<unsigned>(crc32c(bytes)));
+      text += line;
+    };
+    print("disparity", disparity);
+    print("coverage", layer.coverage.samples);
+    print("alpha", alpha);
+    print("colour", colour);
+  }
+  return text;
+}
+
+}  // namespace ldp

@@ -1,0 +1,21 @@
+ldp_test(ldp_golden_test SOURCES ldp_golden_test.cpp USES ldp_ldp ldp_images)
+target_include_directories(ldp_golden_test PRIVATE ${PROJECT_SOURCE_DIR}/core/ldp)
+add_executable(make_golden make_golden.cpp)
+target_link_libraries(make_golden PRIVATE ldp_ldp ldp_images ldp_defaults)
+target_include_directories(make_golden PRIVATE ${PROJECT_SOURCE_DIR}/core/ldp)
+
+# The second reader, written from FORMAT.md, must print the same checksums.
+find_program(LDP_PYTHON NAMES /usr/bin/python3 python3)
+if(LDP_PYTHON)
+  execute_process(COMMAND ${LDP_PYTHON} -c "import PIL" RESULT_VARIABLE no_pillow OUTPUT_QUIET ERROR_QUIET)
+  if(NOT no_pillow)
+    file(GLOB golden_files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.ldp)
+    foreach(golden ${golden_files})
+      cmake_path(GET golden STEM name)
+      add_test(NAME SecondReader.AgreesOn.${name} COMMAND ${CMAKE_COMMAND} -DPYTHON=${LDP_PYTHON} -DFILE=${golden}
+        -DREADER=${PROJECT_SOURCE_DIR}/tests/ldp_reader.py -P ${CMAKE_CURRENT_SOURCE_DIR}/scripts/compare_reader.cmake)
+    endforeach()
+  else()
+    message(STATUS "The second .ldp reader is not tested: Pillow is absent")
+  endif()
+endif()
