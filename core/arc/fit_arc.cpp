@@ -22,6 +22,7 @@ constexpr double kPitchSigma = 10 * kDegree;    // its forward axis (people tilt
 constexpr double kHeightSigma = 0.10;           // camera centres out of the plane, as a share of their spread
 constexpr double kRadialSigma = 0.02;           // centres off the circle, as a share of their spread
 constexpr double kTangentialSigma = 0.20;       // the same along the circle, against where the camera looks
+constexpr double kRoughest = 0.2;               // radial residual, in radii, of what still counts as going round
 constexpr double kStraightAngle = 8 * kDegree;  // a path that bends less than this counts as straight
 
 double cauchy_weight(double squared) { return 1 / (1 + squared); }
@@ -225,20 +226,15 @@ std::optional<Circle> fit_circle(const std::vector<FlatCamera>& cameras, double 
   return best;
 }
 
-// Angles of the cameras around the centre (of their line of sight when all stand in one place), in one run that
-// starts behind the widest gap; and that gap, and the next widest.
+// Directions of the cameras in one run that starts behind the widest gap; and that gap, and the next widest.
 struct Angles {
-  std::vector<double> of_camera;
   double low = 0, high = 0, gap = 0, step = 0;
 };
 
-Angles run_of_angles(const std::vector<FlatCamera>& cameras, const Circle& circle) {
+Angles run_of_angles(const std::vector<Eigen::Vector2d>& directions) {
   Angles angles;
-  for (const FlatCamera& camera : cameras) {
-    const Eigen::Vector2d q = circle.radius > 0 ? Eigen::Vector2d(camera.centre - circle.centre) : camera.forward;
-    angles.of_camera.push_back(std::atan2(q.y(), q.x()));
-  }
-  std::vector<double> sorted = angles.of_camera;
+  std::vector<double> sorted;
+  for (const Eigen::Vector2d& q : directions) sorted.push_back(std::atan2(q.y(), q.x()));
   std::sort(sorted.begin(), sorted.end());
   for (size_t i = 0; i < sorted.size(); ++i) {
     const bool last = i + 1 == sorted.size();
@@ -255,9 +251,10 @@ Angles run_of_angles(const std::vector<FlatCamera>& cameras, const Circle& circl
   return angles;
 }
 
-// The sweep is closed when what is missing of the turn is no more than a step that the hand has taken anyway.
+// The sweep is closed when what is missing of the turn is no more than a step that the hand has taken anyway, or
+// little enough for the photos on both sides of it to overlap.
 bool comes_back(const Angles& angles, double half_view) {
-  return angles.gap < std::min(std::max(1.5 * angles.step, 0.5 * half_view), 1.5 * half_view);
+  return angles.gap < std::min(std::max(1.5 * angles.step, 1.2 * half_view), 1.5 * half_view);
 }
 
 void check(const std::vector<Camera>& cameras, const ArcOptions& options) {
@@ -300,7 +297,17 @@ ArcFit fit_arc(const std::vector<Camera>& cameras, const ArcOptions& options) {
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
   const double level = sorted[sorted.size() / 2];
 
-  const Angles angles = run_of_angles(flat, *circle);
+  // The path's angles are those of the places on a circle, those of the lines of sight where the places hardly form
+  // one; whether the sweep closes is a matter of the lines of sight.
+  double squared = 0;
+  std::vector<Eigen::Vector2d> places, sights;
+  for (const FlatCamera& camera : flat) {
+    places.push_back(camera.centre - circle->centre);
+    sights.push_back(camera.forward);
+    squared += std::pow(places.back().norm() - circle->radius, 2) / static_cast<double>(flat.size());
+  }
+  const bool round = fit.straight || std::sqrt(squared) < kRoughest * circle->radius;
+  const Angles of_sights = run_of_angles(sights), angles = round ? run_of_angles(places) : of_sights;
   const double zero = 0.5 * (angles.low + angles.high);  // theta = 0 in the middle of the sweep
   Arc& arc = fit.arc;
   arc.centre = middle + world_from_flat * Eigen::Vector3d(circle->centre.x(), circle->centre.y(), level);
@@ -309,7 +316,7 @@ ArcFit fit_arc(const std::vector<Camera>& cameras, const ArcOptions& options) {
   arc.theta_begin = angles.low - zero;
   arc.theta_end = angles.high - zero;
   const Intrinsics& k = cameras.front().intrinsics;
-  arc.closed = !fit.straight && comes_back(angles, std::atan2(0.5 * k.width, k.fx));
+  arc.closed = !fit.straight && comes_back(of_sights, std::atan2(0.5 * k.width, k.fx));
   if (arc.closed) {
     arc.theta_begin = -std::numbers::pi;
     arc.theta_end = std::numbers::pi;

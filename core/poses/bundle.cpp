@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
+#include <glog/logging.h>
 
 #include <array>
 #include <cmath>
@@ -10,6 +11,7 @@ namespace ldp {
 namespace {
 
 constexpr double kNearest = 1e-3;         // smallest z of a point in camera axes that is still projected
+constexpr double kLongestLog = 14;        // of a focal length in pixels: beyond, a step went astray
 constexpr double kBehind_px = 1e3;        // residual of a point behind the camera
 constexpr double kDistortionSigma = 0.1;  // of k1 and k2 about zero
 
@@ -45,27 +47,27 @@ Distorted distort(const Eigen::Vector2d& n, double k1, double k2) {
   return {radial * n, radial * Eigen::Matrix2d::Identity() + (2 * k1 + 4 * k2 * r2) * n * n.transpose(), r2};
 }
 
-// Reprojection of one point in one camera. Blocks: rotation (quaternion w x y z, camera from world), [centre,] lens
-// (log focal, k1, k2), point (a, b, inverse distance).
-template <bool kSpherical>
+// Reprojection of one point in one camera. Blocks: rotation (quaternion w x y z, camera from world), [centre, if free,]
+// lens (log focal, k1, k2), point (a, b, and inverse distance unless the model is rotation).
+template <Model kModel>
 class Reprojection : public ceres::CostFunction {
  public:
   Reprojection(const Eigen::Vector2d& position_px, const DirectionFrame& frame)
       : position_px_(position_px), frame_(frame) {
     set_num_residuals(2);
-    *mutable_parameter_block_sizes() = kSpherical ? std::vector<int>{4, 3, 3} : std::vector<int>{4, 3, 3, 3};
+    *mutable_parameter_block_sizes() = kFree ? std::vector<int>{4, 3, 3, 3} : std::vector<int>{4, 3, kPointSize};
   }
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    constexpr int kLens = kSpherical ? 1 : 2, kPoint = kLens + 1;
     const double *q = blocks[0], *lens = blocks[kLens], *point = blocks[kPoint];
+    const double w = kModel == Model::rotation ? 0 : point[kPointSize - 1];
     const Eigen::Matrix3d r = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
     const Eigen::Vector3d direction = frame_.base + point[0] * frame_.e1 + point[1] * frame_.e2;
     const Eigen::Vector3d centre =
-        kSpherical ? Eigen::Vector3d::Zero() : Eigen::Vector3d(blocks[1][0], blocks[1][1], blocks[1][2]);
-    const Eigen::Vector3d turned = r * (direction - point[2] * centre);  // what a turn of the camera turns
-    const Eigen::Vector3d p = kSpherical ? Eigen::Vector3d(turned - point[2] * Eigen::Vector3d::UnitZ()) : turned;
-    if (p.z() < kNearest) return behind(residuals, jacobians);
+        kFree ? Eigen::Vector3d(Eigen::Map<const Eigen::Vector3d>(blocks[1])) : Eigen::Vector3d::Zero();
+    const Eigen::Vector3d turned = r * (direction - w * centre);  // what a turn of the camera turns
+    const Eigen::Vector3d p = kFree ? turned : Eigen::Vector3d(turned - w * Eigen::Vector3d::UnitZ());
+    if (!(p.z() > kNearest) || !(std::abs(lens[0]) < kLongestLog)) return behind(residuals, jacobians);
 
     const Eigen::Vector2d n = p.head<2>() / p.z();
     const Distorted d = distort(n, lens[1], lens[2]);
@@ -80,17 +82,20 @@ class Reprojection : public ceres::CostFunction {
       const Eigen::Matrix<double, 2, 3> by_turn = -by_p * cross_matrix(turned);
       Eigen::Map<RowMajor24>(jacobians[0], 2, 4) = 2 * by_turn * quaternion_by_turn(q).transpose();
     }
-    if (!kSpherical && jacobians[1]) Eigen::Map<RowMajor23>(jacobians[1], 2, 3) = -point[2] * by_p * r;
+    if (kFree && jacobians[1]) Eigen::Map<RowMajor23>(jacobians[1], 2, 3) = -w * by_p * r;
     if (jacobians[kLens]) {
       RowMajor23 by_lens;
       by_lens << focal * d.position, focal * d.squared * n, focal * d.squared * d.squared * n;
       Eigen::Map<RowMajor23>(jacobians[kLens], 2, 3) = by_lens;
     }
     if (jacobians[kPoint]) {
-      Eigen::Matrix3d p_by_point;
-      p_by_point << r * frame_.e1, r * frame_.e2,
-          kSpherical ? Eigen::Vector3d(-Eigen::Vector3d::UnitZ()) : Eigen::Vector3d(-r * centre);
-      Eigen::Map<RowMajor23>(jacobians[kPoint], 2, 3) = by_p * p_by_point;
+      Eigen::Matrix<double, 3, kPointSize> p_by_point;
+      p_by_point.col(0) = r * frame_.e1;
+      p_by_point.col(1) = r * frame_.e2;
+      if (kFree) p_by_point.col(kPointSize - 1) = -r * centre;
+      if (kModel == Model::spherical) p_by_point.col(kPointSize - 1) = -Eigen::Vector3d::UnitZ();
+      Eigen::Map<Eigen::Matrix<double, 2, kPointSize, Eigen::RowMajor>>(jacobians[kPoint], 2, kPointSize) =
+          by_p * p_by_point;
     }
     return true;
   }
@@ -103,6 +108,9 @@ class Reprojection : public ceres::CostFunction {
     }
     return true;
   }
+
+  static constexpr bool kFree = kModel == Model::free;
+  static constexpr int kLens = kFree ? 2 : 1, kPoint = kLens + 1, kPointSize = kModel == Model::rotation ? 2 : 3;
 
   Eigen::Vector2d position_px_;
   DirectionFrame frame_;
@@ -168,18 +176,18 @@ Blocks blocks_of(const Bundle& bundle) {
   return blocks;
 }
 
-void take(const Blocks& blocks, bool spherical, Bundle& bundle) {
+void take(const Blocks& blocks, Model model, Bundle& bundle) {
   for (size_t i = 0; i < bundle.cameras.size(); ++i) {
     const auto& q = blocks.rotations[i];
     Pose& pose = bundle.cameras[i];
     pose.world_from_camera = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix().transpose();
-    pose.centre =
-        spherical ? Eigen::Vector3d(pose.world_from_camera.col(2)) : Eigen::Vector3d(blocks.centres[i].data());
+    pose.centre = model == Model::free ? Eigen::Vector3d(blocks.centres[i].data())
+                                       : Eigen::Vector3d(pose.world_from_camera.col(2));
   }
   for (size_t i = 0; i < bundle.points.size(); ++i) {
     const auto& p = blocks.points[i];
     const Eigen::Vector3d m = blocks.frames[i].base + p[0] * blocks.frames[i].e1 + p[1] * blocks.frames[i].e2;
-    bundle.points[i] = {m.normalized(), p[2] / m.norm()};
+    bundle.points[i] = {m.normalized(), model == Model::rotation ? 0 : p[2] / m.norm()};
   }
   bundle.lens = {std::exp(blocks.lens[0]), blocks.lens[1], blocks.lens[2]};
 }
@@ -189,10 +197,13 @@ void add_residuals(const Bundle& bundle, const BundleOptions& options, Blocks& b
   for (const BundleObservation& o : bundle.observations) {
     const size_t camera = static_cast<size_t>(o.camera), point = static_cast<size_t>(o.point);
     double *rotation = blocks.rotations[camera].data(), *p = blocks.points[point].data(), *lens = blocks.lens.data();
-    if (options.spherical) {
-      problem.AddResidualBlock(new Reprojection<true>(o.position_px, blocks.frames[point]), loss, rotation, lens, p);
+    const DirectionFrame& frame = blocks.frames[point];
+    if (options.model == Model::rotation) {
+      problem.AddResidualBlock(new Reprojection<Model::rotation>(o.position_px, frame), loss, rotation, lens, p);
+    } else if (options.model == Model::spherical) {
+      problem.AddResidualBlock(new Reprojection<Model::spherical>(o.position_px, frame), loss, rotation, lens, p);
     } else {
-      problem.AddResidualBlock(new Reprojection<false>(o.position_px, blocks.frames[point]), loss, rotation,
+      problem.AddResidualBlock(new Reprojection<Model::free>(o.position_px, frame), loss, rotation,
                                blocks.centres[camera].data(), lens, p);
     }
   }
@@ -200,7 +211,7 @@ void add_residuals(const Bundle& bundle, const BundleOptions& options, Blocks& b
     double* rotation = blocks.rotations[i].data();
     if (!problem.HasParameterBlock(rotation)) continue;
     problem.SetManifold(rotation, new ceres::QuaternionManifold);
-    if (!options.spherical) {
+    if (options.model == Model::free) {
       problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ArcPrior, 3, 4, 3>(new ArcPrior{options.arc_sigma}),
                                nullptr, rotation, blocks.centres[i].data());
     }
@@ -226,6 +237,9 @@ void add_lens(const Bundle& bundle, const BundleOptions& options, Blocks& blocks
 
 BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& job) {
   job.check();
+  FLAGS_minloglevel =
+      google::GLOG_FATAL;  // Ceres tells of every step that it rejects, on stderr; the summary is enough
+  if (bundle.observations.empty()) return {};
   Blocks blocks = blocks_of(bundle);
   ceres::Problem problem;
   add_residuals(bundle, options, blocks, problem);
@@ -233,10 +247,13 @@ BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& jo
 
   ceres::Solver::Options solver;
   auto* ordering = new ceres::ParameterBlockOrdering;
-  for (auto& p : blocks.points) ordering->AddElementToGroup(p.data(), 0);
+  for (auto& p : blocks.points) {
+    if (problem.HasParameterBlock(p.data())) ordering->AddElementToGroup(p.data(), 0);
+  }
   for (size_t i = 0; i < blocks.rotations.size(); ++i) {
+    if (!problem.HasParameterBlock(blocks.rotations[i].data())) continue;
     ordering->AddElementToGroup(blocks.rotations[i].data(), 1);
-    if (!options.spherical) ordering->AddElementToGroup(blocks.centres[i].data(), 1);
+    if (options.model == Model::free) ordering->AddElementToGroup(blocks.centres[i].data(), 1);
   }
   ordering->AddElementToGroup(blocks.lens.data(), 1);
   solver.linear_solver_ordering.reset(ordering);
@@ -250,8 +267,13 @@ BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& jo
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   job.check();
-  take(blocks, options.spherical, bundle);
+  take(blocks, options.model, bundle);
   return {summary.final_cost, static_cast<int>(summary.iterations.size()), summary.IsSolutionUsable()};
+}
+
+Eigen::Vector2d ray_of(const Eigen::Vector2d& position_px, const Lens& lens) {
+  const Intrinsics k{0, 0, lens.focal_px, lens.focal_px, 0, 0, lens.k1, lens.k2, 0, 0};
+  return unproject(k, position_px).head<2>();
 }
 
 Projection project_point(const Pose& camera, const Lens& lens, const InversePoint& point) {

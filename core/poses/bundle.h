@@ -1,8 +1,9 @@
 // Bundle adjustment (Ceres) of a sweep: rotations, centres, one lens for all frames, points of inverse distance.
 //
-// Two models: `spherical`, where a camera's centre is its own forward axis (radius 1), and free centres, drawn to that
-// place only weakly, so that the prior decides what the pictures leave open (scale, place, the depth of far scenery)
-// and nothing else. Single-threaded and in fixed order: the same input gives the same bytes.
+// Three models. `rotation`: every point at infinity. `spherical`: a camera's centre is its own forward axis (radius 1).
+// `free`: centres are drawn to that place only weakly, so that the prior decides what the pictures leave open (scale,
+// place, the depth of far scenery) and nothing else. Single-threaded and in fixed order: the same input gives the same
+// bytes.
 #pragma once
 
 #include <Eigen/Core>
@@ -36,8 +37,10 @@ struct FocalPrior {
   double log_sigma = 0.2;
 };
 
+enum class Model { rotation, spherical, free };
+
 struct BundleOptions {
-  bool spherical = false;
+  Model model = Model::free;
   bool refine_focal = true;
   bool refine_distortion = false;
   std::optional<FocalPrior> focal_prior;
@@ -59,6 +62,9 @@ struct Projection {
   Eigen::Vector2d position_px = Eigen::Vector2d::Zero();
   bool in_front = false;
 };
+// Position undistorted to the plane z = 1.
+Eigen::Vector2d ray_of(const Eigen::Vector2d& position_px, const Lens& lens);
+
 Projection project_point(const Pose& camera, const Lens& lens, const InversePoint& point);
 
 }  // namespace ldp

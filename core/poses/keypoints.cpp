@@ -14,13 +14,19 @@ namespace {
 constexpr int kBuckets = 8;          // the picture is dealt out in kBuckets x kBuckets cells
 constexpr double kContrast = 0.012;  // lower than Lowe's 0.04: skies and walls have faint texture, and it matches
 
-cv::Mat small_grey(const RgbImage& image, double longer_side_px) {
-  const cv::Mat colour(image.height, image.width, CV_8UC3,
-                       const_cast<void*>(static_cast<const void*>(image.samples.data())));  // cv::Mat has no const view
-  cv::Mat grey, small;
-  cv::cvtColor(colour, grey, cv::COLOR_RGB2GRAY);
-  const double scale = longer_side_px / std::max(image.width, image.height);
+// From OpenCV's pixel centres at whole numbers to ours at .5, less the quarter pixel by which its SIFT errs: it doubles
+// the picture with pixel centres kept in place, and halves the positions found as if their corners had been.
+constexpr double kMiddle = 0.5 - 0.25;
+
+// cv::Mat has no const view.
+template <typename Sample>
+cv::Mat view(const Plane<Sample>& image, int type) {
+  return {image.height, image.width, type, const_cast<void*>(static_cast<const void*>(image.samples.data()))};
+}
+
+cv::Mat scaled(const cv::Mat& grey, double scale) {
   if (scale >= 1) return grey;
+  cv::Mat small;
   cv::resize(grey, small, cv::Size(), scale, scale, cv::INTER_AREA);
   return small;
 }
@@ -60,11 +66,22 @@ void root_descriptor(const float* sift, int16_t* out) {
 
 }  // namespace
 
-Features detect_features(const RgbImage& image, const FeatureOptions& options) {
+Picture make_picture(const RgbImage& image, int most_px) {
+  cv::Mat grey;
+  cv::cvtColor(view(image, CV_8UC3), grey, cv::COLOR_RGB2GRAY);
+  grey = scaled(grey, static_cast<double>(most_px) / std::max(image.width, image.height));
+  Picture picture{GreyImage(grey.cols, grey.rows), static_cast<double>(grey.cols) / image.width, image.width,
+                  image.height};
+  grey.copyTo(view(picture.grey, CV_8UC1));
+  return picture;
+}
+
+Features detect_features(const Picture& image, const FeatureOptions& options) {
   Features features;
   features.width = image.width;
   features.height = image.height;
-  const cv::Mat grey = small_grey(image, options.longer_side_px);
+  const cv::Mat grey =
+      scaled(view(image.grey, CV_8UC1), options.longer_side_px / std::max(image.grey.width, image.grey.height));
   const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(0, 3, kContrast, 10, 1.6);
   std::vector<cv::KeyPoint> found;
   sift->detect(grey, found);
@@ -78,8 +95,8 @@ Features detect_features(const RgbImage& image, const FeatureOptions& options) {
   features.descriptors.resize(points.size() * kDescriptorLength);
   for (size_t i = 0; i < points.size(); ++i) {
     const cv::KeyPoint& p = points[i];
-    features.positions.emplace_back((static_cast<double>(p.pt.x) + 0.5) * scale_x,
-                                    (static_cast<double>(p.pt.y) + 0.5) * scale_y);
+    features.positions.emplace_back((static_cast<double>(p.pt.x) + kMiddle) * scale_x,
+                                    (static_cast<double>(p.pt.y) + kMiddle) * scale_y);
     features.sizes.push_back(static_cast<float>(p.size * scale_x));
     root_descriptor(descriptors.ptr<float>(static_cast<int>(i)), features.descriptors.data() + i * kDescriptorLength);
   }

@@ -22,6 +22,9 @@ struct Features {
   std::vector<int16_t> descriptors;        // kDescriptorLength per point, of Euclidean length about kDescriptorNorm
 
   int size() const { return static_cast<int>(positions.size()); }
+  Eigen::Vector2d from_middle(int i) const {
+    return positions[static_cast<size_t>(i)] - 0.5 * Eigen::Vector2d(width, height);
+  }
   const int16_t* descriptor(int i) const { return descriptors.data() + static_cast<size_t>(i) * kDescriptorLength; }
 };
 
@@ -32,6 +35,15 @@ struct FeatureOptions {
   double longer_side_px = 480;  // the photo is scaled down to about this before detection (which works at twice it)
 };
 
-Features detect_features(const RgbImage& image, const FeatureOptions& options);
+// The photograph in grey, scaled down if its longer side has more than `most_px` pixels. This is what is kept of it.
+struct Picture {
+  GreyImage grey;
+  double scale = 1;           // pixels of `grey` per pixel of the photograph
+  int width = 0, height = 0;  // of the photograph
+};
+
+Picture make_picture(const RgbImage& image, int most_px);
+
+Features detect_features(const Picture& picture, const FeatureOptions& options);
 
 }  // namespace ldp

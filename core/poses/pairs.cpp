@@ -36,29 +36,13 @@ std::vector<Match> agreeing(const Features& a, const Features& b, const std::vec
 
 }  // namespace
 
-std::vector<Match> verified_matches(const Features& a, const Features& b, const PairOptions& options) {
-  return agreeing(a, b, match_features(a, b, MatchOptions{}), options);
-}
-
-std::vector<PairMatches> match_sweep(const std::vector<Features>& features, const PairOptions& options,
-                                     const Job& job) {
-  std::vector<PairMatches> pairs;
-  const int count = static_cast<int>(features.size());
-  for (int a = 0; a < count; ++a) {
-    for (int b = a + 1; b < count; ++b) pairs.push_back({a, b, {}});
+std::vector<Match> match_pair(const Features& a, const Features& b, bool neighbours, const PairOptions& options) {
+  if (!neighbours) {
+    MatchOptions glance;
+    glance.most = kGlance;
+    if (match_features(a, b, glance).size() < kGlanceMatches) return {};
   }
-  parallel_for(job, static_cast<int>(pairs.size()), [&](int i) {
-    PairMatches& pair = pairs[static_cast<size_t>(i)];
-    const Features &a = features[static_cast<size_t>(pair.a)], &b = features[static_cast<size_t>(pair.b)];
-    if (pair.b - pair.a > options.reach) {
-      MatchOptions glance;
-      glance.most = kGlance;
-      if (match_features(a, b, glance).size() < kGlanceMatches) return;
-    }
-    pair.matches = verified_matches(a, b, options);
-  });
-  std::erase_if(pairs, [](const PairMatches& pair) { return pair.matches.empty(); });
-  return pairs;
+  return agreeing(a, b, match_features(a, b, MatchOptions{}), options);
 }
 
 }  // namespace ldp

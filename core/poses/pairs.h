@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "job.h"
 #include "points.h"
 
 namespace ldp {
@@ -16,10 +15,8 @@ struct PairOptions {
   unsigned seed = 1;
 };
 
-// Pairs (a < b) with enough agreeing matches, in order of (a, b).
-std::vector<PairMatches> match_sweep(const std::vector<Features>& features, const PairOptions& options, const Job& job);
-
-// Matches of one pair that agree with one epipolar geometry; empty when too few do.
-std::vector<Match> verified_matches(const Features& a, const Features& b, const PairOptions& options);
+// Matches of two frames that agree with one epipolar geometry; empty when too few do. Frames farther apart than `reach`
+// are compared fully only if a quick look at their strongest features promises something.
+std::vector<Match> match_pair(const Features& a, const Features& b, bool neighbours, const PairOptions& options);
 
 }  // namespace ldp

@@ -20,7 +20,7 @@ class Sets {
     for (const Features& f : features) {
       first_.push_back(static_cast<int>(parent_.size()));
       for (int i = 0; i < f.size(); ++i) {
-        members_.push_back({{static_cast<int>(first_.size()) - 1, i}});
+        members_.push_back({{static_cast<int>(first_.size()) - 1, i, f.from_middle(i)}});
         parent_.push_back(static_cast<int>(parent_.size()));
       }
     }
@@ -95,6 +95,11 @@ InversePoint triangulate_linearly(const std::vector<Sighting>& sightings) {
     normal += rows.transpose() * rows;
     towards += bearing;
   }
+  if (normal(3, 3) < 1e-16) {  // all from one place, the origin: only the direction is seen
+    const Eigen::Matrix3d across = normal.topLeftCorner<3, 3>();
+    const Eigen::Vector3d m = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(across).eigenvectors().col(0);
+    return {m.dot(towards) < 0 ? Eigen::Vector3d(-m) : m, 0};
+  }
   Eigen::Vector4d h = Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(normal).eigenvectors().col(0);
   if (h.head<3>().dot(towards) < 0) h = -h;
   const double length = std::max(h.head<3>().norm(), 1e-12);
@@ -132,12 +137,13 @@ InversePoint refine_point(InversePoint point, const std::vector<Sighting>& sight
 
 std::vector<Track> build_tracks(const std::vector<Features>& features, const std::vector<PairMatches>& pairs) {
   struct Link {
-    int distance;
+    int distance = 0;
     Observation a, b;
   };
   std::vector<Link> links;
   for (const PairMatches& pair : pairs) {
-    for (const Match& m : pair.matches) links.push_back({m.distance, {pair.a, m.a}, {pair.b, m.b}});
+    for (const Match& m : pair.matches)
+      links.push_back({m.distance, {pair.a, m.a, Eigen::Vector2d::Zero()}, {pair.b, m.b, Eigen::Vector2d::Zero()}});
   }
   std::sort(links.begin(), links.end(), [](const Link& p, const Link& q) {
     return std::tie(p.distance, p.a.frame, p.b.frame, p.a.feature, p.b.feature) <

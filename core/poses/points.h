@@ -22,7 +22,8 @@ struct PairMatches {
 
 struct Observation {
   int frame = 0;
-  int feature = 0;
+  int feature = -1;                                       // -1: not a feature but followed (follow.h)
+  Eigen::Vector2d position_px = Eigen::Vector2d::Zero();  // in the photograph, from its middle
 };
 
 using Track = std::vector<Observation>;  // sorted by frame, one observation per frame, at least two

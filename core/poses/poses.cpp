@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "keypoints.h"
 #include "pairs.h"
@@ -14,17 +15,51 @@ namespace {
 
 constexpr double kFovSigma = 0.15;  // of the logarithm of a focal length that someone told
 constexpr double kExifSigma = 0.05;
+constexpr int kPicture_px = 1000;  // longer side of what is kept of a photo
 constexpr double kFarthest = 1e4;  // points are put no farther than this many radii
 
-std::optional<FocalPrior> focal_prior(const FrameSource& frames, const PosesOptions& options, int width, int height) {
-  if (options.fov_rad) return FocalPrior{0.5 * width / std::tan(0.5 * *options.fov_rad), kFovSigma};
+struct Frame {
+  std::string name;
+  std::optional<double> focal_hint;
+  Picture picture;
+  Features features;
+};
+
+Frame make_frame(const std::string& name, const RgbImage& image, std::optional<double> focal_hint) {
+  Frame frame{name, focal_hint, make_picture(image, kPicture_px), {}};
+  frame.features = detect_features(frame.picture, FeatureOptions{});
+  return frame;
+}
+
+PairOptions pairing(const PosesOptions& options) {
+  PairOptions pairs;
+  pairs.seed = options.seed;
+  return pairs;
+}
+
+std::vector<Match> match_frames(const std::vector<Frame>& frames, int a, int b, const PairOptions& options) {
+  return match_pair(frames[static_cast<size_t>(a)].features, frames[static_cast<size_t>(b)].features,
+                    b - a <= options.reach, options);
+}
+
+void match_all(const std::vector<Frame>& frames, std::vector<PairMatches>& pairs, const PairOptions& options,
+               const Job& job) {
+  parallel_for(job, static_cast<int>(pairs.size()), [&](int i) {
+    PairMatches& pair = pairs[static_cast<size_t>(i)];
+    pair.matches = match_frames(frames, pair.a, pair.b, options);
+  });
+}
+
+std::optional<FocalPrior> focal_prior(const std::vector<Frame>& frames, const PosesOptions& options) {
+  const Features& first = frames.front().features;
+  if (options.fov_rad) return FocalPrior{0.5 * first.width / std::tan(0.5 * *options.fov_rad), kFovSigma};
   std::vector<double> hints;
-  for (int i = 0; i < frames.size(); ++i) {
-    if (const auto hint = frames.focal_hint(i)) hints.push_back(*hint);
+  for (const Frame& frame : frames) {
+    if (frame.focal_hint) hints.push_back(*frame.focal_hint);
   }
   if (hints.empty()) return std::nullopt;
   std::nth_element(hints.begin(), hints.begin() + static_cast<std::ptrdiff_t>(hints.size() / 2), hints.end());
-  return FocalPrior{hints[hints.size() / 2] * std::max(width, height), kExifSigma};
+  return FocalPrior{hints[hints.size() / 2] * std::max(first.width, first.height), kExifSigma};
 }
 
 // World z up: perpendicular to the cameras' right axes, as far as they agree, and to where they look on the whole.
@@ -53,58 +88,219 @@ double circle_radius(const std::vector<Pose>& cameras) {
   return below > 1e-9 && above > 0.1 * below ? above / below : 1;
 }
 
-}  // namespace
-
-Poses estimate_poses(const FrameSource& frames, const PosesOptions& options, const Job& job) {
-  if (frames.size() < 3) throw Impossible("at least 3 photos are needed, got " + std::to_string(frames.size()));
-  Sweep sweep;
-  sweep.features.resize(static_cast<size_t>(frames.size()));
-  job.report("features", 0);
-  parallel_for(job, frames.size(), [&](int i) {
-    sweep.features[static_cast<size_t>(i)] = detect_features(frames.load(i), FeatureOptions{});
-  });
-  job.report("matching", 0.5);
-  PairOptions pairing;
-  pairing.seed = options.seed;
-  sweep.pairs = match_sweep(sweep.features, pairing, job);
-  job.report("adjusting", 0.7);
-  const int width = sweep.features[0].width, height = sweep.features[0].height;
-  const Reconstruction found = reconstruct(sweep, {focal_prior(frames, options, width, height)}, job);
-
-  const Bundle& bundle = found.bundle;
-  const Eigen::Matrix3d turn = upright(bundle.cameras);
-  const double scale = options.arm_length / circle_radius(bundle.cameras);
-  Poses poses;
-  for (int i = 0; i < frames.size(); ++i) {
-    const Pose& p = bundle.cameras[static_cast<size_t>(i)];
-    Intrinsics k{width, height, bundle.lens.focal_px, bundle.lens.focal_px, 0.5 * width, 0.5 * height};
-    k.k1 = bundle.lens.k1, k.k2 = bundle.lens.k2;
-    poses.cameras.push_back({frames.name(i), k, {turn * p.world_from_camera, scale * turn * p.centre}});
-    poses.frame_of_camera.push_back(i);
-    FrameReport report;
-    report.name = frames.name(i);
-    report.posed = true;
-    report.features = sweep.features[static_cast<size_t>(i)].size();
-    poses.report.frames.push_back(report);
-  }
+double path_length(const std::vector<Pose>& cameras) {
   double sum = 0;
-  for (size_t i = 0; i < found.tracks.size(); ++i) {
-    const InversePoint& point = bundle.points[i];
-    ScenePoint scene{scale * turn * point.direction / std::max(point.inverse_distance, 1 / kFarthest), {}};
-    for (const Observation& o : found.tracks[i]) {
-      scene.cameras.push_back(o.frame);
-      ++poses.report.frames[static_cast<size_t>(o.frame)].inliers;
-    }
-    poses.points.push_back(scene);
+  for (size_t i = 1; i < cameras.size(); ++i) sum += (cameras[i].centre - cameras[i - 1].centre).norm();
+  return std::max(sum, 1e-9);
+}
+
+void check(const PosesOptions& options) {
+  if (options.fov_rad && !(*options.fov_rad > 0.02 && *options.fov_rad < 3.1)) {
+    throw std::logic_error("fov_rad must lie between 0.02 and 3.1, got " + std::to_string(*options.fov_rad));
   }
+  if (!(options.arm_length > 0))
+    throw std::logic_error("arm_length must be positive, got " + std::to_string(options.arm_length));
+}
+
+// The size that most frames have; the others cannot share a lens with them.
+std::pair<int, int> common_size(const std::vector<Frame>& frames) {
+  std::map<std::pair<int, int>, int> counts;
+  for (const Frame& frame : frames) ++counts[{frame.features.width, frame.features.height}];
+  return std::max_element(counts.begin(), counts.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+// Frames of the common size as a sweep, and which frame each of the sweep is.
+struct Chosen {
+  Sweep sweep;
+  std::vector<int> frame;
+};
+
+Chosen choose(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs, std::pair<int, int> size) {
+  Chosen chosen;
+  std::vector<int> place(frames.size(), -1);
+  for (size_t i = 0; i < frames.size(); ++i) {
+    if (std::pair(frames[i].features.width, frames[i].features.height) != size) continue;
+    place[i] = chosen.sweep.frames();
+    chosen.sweep.pictures.push_back(frames[i].picture);
+    chosen.sweep.features.push_back(frames[i].features);
+    chosen.frame.push_back(static_cast<int>(i));
+  }
+  for (const PairMatches& pair : pairs) {
+    const int a = place[static_cast<size_t>(pair.a)], b = place[static_cast<size_t>(pair.b)];
+    if (a >= 0 && b >= 0 && !pair.matches.empty()) chosen.sweep.pairs.push_back({a, b, pair.matches});
+  }
+  return chosen;
+}
+
+std::vector<FrameReport> first_reports(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs,
+                                       std::pair<int, int> size) {
+  std::vector<FrameReport> reports;
+  for (const Frame& frame : frames) {
+    FrameReport report;
+    report.name = frame.name;
+    report.features = frame.features.size();
+    if (std::pair(frame.features.width, frame.features.height) != size) {
+      report.reason = "it has " + std::to_string(frame.features.width) + "x" + std::to_string(frame.features.height) +
+                      " pixels, the other photos " + std::to_string(size.first) + "x" + std::to_string(size.second);
+    }
+    reports.push_back(report);
+  }
+  for (const PairMatches& pair : pairs) {
+    reports[static_cast<size_t>(pair.a)].matches += static_cast<int>(pair.matches.size());
+    reports[static_cast<size_t>(pair.b)].matches += static_cast<int>(pair.matches.size());
+  }
+  return reports;
+}
+
+// Squares of the reprojection errors, summed by frame and over all.
+void report_errors(const Bundle& bundle, const std::vector<int>& frame, PosesReport& report) {
+  double all = 0;
   for (const BundleObservation& o : bundle.observations) {
     const Projection p = project_point(bundle.cameras[static_cast<size_t>(o.camera)], bundle.lens,
                                        bundle.points[static_cast<size_t>(o.point)]);
-    sum += (p.position_px - o.position_px).squaredNorm();
+    const double squared = (p.position_px - o.position_px).squaredNorm();
+    FrameReport& of_frame = report.frames[static_cast<size_t>(frame[static_cast<size_t>(o.camera)])];
+    of_frame.reprojection_px += squared;
+    ++of_frame.inliers;
+    all += squared;
   }
-  poses.report.reprojection_px = std::sqrt(sum / static_cast<double>(std::max<size_t>(1, bundle.observations.size())));
-  poses.report.points = static_cast<int>(poses.points.size());
+  for (FrameReport& f : report.frames) f.reprojection_px = std::sqrt(f.reprojection_px / std::max(f.inliers, 1));
+  report.reprojection_px = std::sqrt(all / static_cast<double>(std::max<size_t>(1, bundle.observations.size())));
+}
+
+Poses to_world(const Reconstruction& found, const Chosen& chosen, const std::vector<Frame>& frames, double arm_length) {
+  const Bundle& bundle = found.bundle;
+  std::vector<Pose> posed;
+  Poses poses;
+  std::vector<int> camera(bundle.cameras.size(), -1);
+  for (size_t i = 0; i < bundle.cameras.size(); ++i) {
+    if (!found.dropped[i].empty()) continue;
+    camera[i] = static_cast<int>(posed.size());
+    posed.push_back(bundle.cameras[i]);
+    poses.frame_of_camera.push_back(chosen.frame[i]);
+  }
+  const Eigen::Matrix3d turn = upright(posed);
+  const double scale =
+      arm_length / (found.motion == Motion::straight ? 0.5 * path_length(posed) : circle_radius(posed));
+  const Features& first = chosen.sweep.features.front();
+  Intrinsics k{first.width,          first.height,      bundle.lens.focal_px,
+               bundle.lens.focal_px, 0.5 * first.width, 0.5 * first.height};
+  k.k1 = bundle.lens.k1, k.k2 = bundle.lens.k2;
+  for (size_t i = 0; i < posed.size(); ++i) {
+    const Pose pose{turn * posed[i].world_from_camera, scale * turn * posed[i].centre};
+    poses.cameras.push_back({frames[static_cast<size_t>(poses.frame_of_camera[i])].name, k, pose});
+  }
+  for (size_t i = 0; i < found.tracks.size(); ++i) {
+    const InversePoint& point = bundle.points[i];
+    ScenePoint scene{scale * turn * point.direction / std::max(point.inverse_distance, 1 / kFarthest), {}};
+    for (const Observation& o : found.tracks[i]) scene.cameras.push_back(camera[static_cast<size_t>(o.frame)]);
+    poses.points.push_back(scene);
+  }
   return poses;
+}
+
+Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs, const PosesOptions& options,
+            const Job& job) {
+  const std::pair<int, int> size = common_size(frames);
+  const Chosen chosen = choose(frames, pairs, size);
+  const Reconstruction found = reconstruct(chosen.sweep, focal_prior(frames, options), job);
+  Poses poses = to_world(found, chosen, frames, options.arm_length);
+  poses.report.motion = found.motion;
+  poses.report.closed = found.closed;
+  poses.report.points = static_cast<int>(poses.points.size());
+  poses.report.frames = first_reports(frames, pairs, size);
+  for (size_t i = 0; i < chosen.frame.size(); ++i) {
+    FrameReport& report = poses.report.frames[static_cast<size_t>(chosen.frame[i])];
+    report.posed = found.dropped[i].empty();
+    report.reason = found.dropped[i];
+  }
+  report_errors(found.bundle, chosen.frame, poses.report);
+  job.report("poses", 1);
+  return poses;
+}
+
+void require_three(int frames) {
+  if (frames < 3) throw Impossible("at least 3 photos are needed, got " + std::to_string(frames));
+}
+
+}  // namespace
+
+Poses estimate_poses(const FrameSource& source, const PosesOptions& options, const Job& job) {
+  check(options);
+  require_three(source.size());
+  std::vector<Frame> frames(static_cast<size_t>(source.size()));
+  job.report("features", 0);
+  parallel_for(job, source.size(), [&](int i) {
+    frames[static_cast<size_t>(i)] = make_frame(source.name(i), source.load(i), source.focal_hint(i));
+  });
+  job.report("matching", 0.4);
+  std::vector<PairMatches> pairs;
+  for (int b = 1; b < source.size(); ++b) {
+    for (int a = 0; a < b; ++a) pairs.push_back({a, b, {}});
+  }
+  match_all(frames, pairs, pairing(options), job);
+  job.report("adjusting", 0.6);
+  return solve(frames, pairs, options, job);
+}
+
+struct PoseEstimator::State {
+  PosesOptions options;
+  std::vector<Frame> frames;
+  std::vector<PairMatches> pairs;  // neighbours: all pairs within reach
+};
+
+PoseEstimator::PoseEstimator(const PosesOptions& options) : state_(std::make_unique<State>()) {
+  check(options);
+  state_->options = options;
+}
+PoseEstimator::PoseEstimator(PoseEstimator&&) noexcept = default;
+PoseEstimator& PoseEstimator::operator=(PoseEstimator&&) noexcept = default;
+PoseEstimator::~PoseEstimator() = default;
+
+int PoseEstimator::size() const { return static_cast<int>(state_->frames.size()); }
+
+FrameNews PoseEstimator::add_frame(const std::string& name, const RgbImage& image, std::optional<double> focal_hint,
+                                   const Job& job) {
+  std::vector<Frame>& frames = state_->frames;
+  frames.push_back(make_frame(name, image, focal_hint));
+  const PairOptions options = pairing(state_->options);
+  const int b = size() - 1;
+  std::vector<PairMatches> pairs;
+  for (int a = std::max(0, b - options.reach); a < b; ++a) pairs.push_back({a, b, {}});
+  match_all(frames, pairs, options, job);
+  state_->pairs.insert(state_->pairs.end(), pairs.begin(), pairs.end());
+
+  FrameNews news;
+  news.features = frames.back().features.size();
+  if (pairs.empty()) return news;
+  std::vector<double> shifts;
+  for (const Match& m : pairs.back().matches) {
+    const Features &before = frames[static_cast<size_t>(b) - 1].features, &now = frames.back().features;
+    shifts.push_back((now.from_middle(m.b) - before.from_middle(m.a)).norm() / now.width);
+  }
+  news.matches = static_cast<int>(shifts.size());
+  if (shifts.empty()) return news;
+  std::nth_element(shifts.begin(), shifts.begin() + static_cast<std::ptrdiff_t>(shifts.size() / 2), shifts.end());
+  news.shift = shifts[shifts.size() / 2];
+  return news;
+}
+
+Poses PoseEstimator::finish(const Job& job) const {
+  require_three(size());
+  job.report("matching", 0.4);
+  std::vector<PairMatches> pairs;
+  const PairOptions options = pairing(state_->options);
+  for (int b = 1; b < size(); ++b) {
+    for (int a = 0; a < b - options.reach; ++a) pairs.push_back({a, b, {}});
+  }
+  match_all(state_->frames, pairs, options, job);
+  pairs.insert(pairs.end(), state_->pairs.begin(), state_->pairs.end());
+  std::sort(pairs.begin(), pairs.end(),
+            [](const PairMatches& p, const PairMatches& q) { return std::tie(p.b, p.a) < std::tie(q.b, q.a); });
+  job.report("adjusting", 0.6);
+  return solve(state_->frames, pairs, state_->options, job);
 }
 
 }  // namespace ldp

@@ -51,6 +51,31 @@ struct Poses {
 // Throws Impossible when fewer than 3 frames can be connected, naming the reason.
 Poses estimate_poses(const FrameSource& frames, const PosesOptions& options, const Job& job);
 
+// What the newest frame of a running capture tells.
+struct FrameNews {
+  int features = 0;
+  int matches = 0;   // with the frame before, checked for consistency; few: too fast, too blurred, too plain
+  double shift = 0;  // how far the picture moved since then (median of the matches), as a share of its width
+};
+
+// The same while the capture runs: each frame's features are found and matched when it arrives, `finish` does what
+// remains. Gives the same bytes as estimate_poses of the same frames.
+class PoseEstimator {
+ public:
+  explicit PoseEstimator(const PosesOptions& options);
+  PoseEstimator(PoseEstimator&&) noexcept;
+  PoseEstimator& operator=(PoseEstimator&&) noexcept;
+  ~PoseEstimator();
+
+  FrameNews add_frame(const std::string& name, const RgbImage& image, std::optional<double> focal_hint, const Job& job);
+  int size() const;
+  Poses finish(const Job& job) const;  // throws as estimate_poses does
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
 // The same points and report for cameras that are already known (matched to frames by name; frames without a camera
 // are reported as dropped). Cameras are left exactly as given. Throws Impossible when fewer than 3 names match.
 Poses triangulate(const FrameSource& frames, const std::vector<Camera>& cameras, const PosesOptions& options,

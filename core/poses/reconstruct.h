@@ -1,33 +1,26 @@
-// From verified matches of a sweep to cameras: focal length found by trying, rotations under spherical motion, then
-// bundle adjustment with free cameras. Works in radii: the cameras' circle has radius about 1 and its centre at the
-// origin.
+// From verified matches of a sweep to cameras: a start (start.h), bundle adjustment with free cameras in rounds of
+// stricter tolerance, points followed through all frames (follow.h), and what kind of motion it was. Works in radii:
+// the cameras' circle has radius about 1 and its centre at the origin.
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "bundle.h"
-#include "job.h"
-#include "points.h"
+#include "poses.h"
+#include "start.h"
 
 namespace ldp {
 
-struct Sweep {
-  std::vector<Features> features;  // all of one size
-  std::vector<PairMatches> pairs;  // verified
-};
-
-struct ReconstructOptions {
-  std::optional<FocalPrior> focal;  // pixels
-};
-
 struct Reconstruction {
-  Bundle bundle;              // cameras by frame; those not posed keep the identity and have no observations
-  std::vector<bool> posed;    // by frame
-  std::vector<Track> tracks;  // of the bundle's points, inliers only
+  Bundle bundle;                     // cameras by frame; those not posed keep the identity and have no observations
+  std::vector<Track> tracks;         // of the bundle's points, inliers only
+  std::vector<std::string> dropped;  // by frame: why it has no pose; empty when posed
+  Motion motion = Motion::arc;
+  bool closed = false;
 };
 
 // Throws Impossible when fewer than 3 frames hang together.
-Reconstruction reconstruct(const Sweep& sweep, const ReconstructOptions& options, const Job& job);
+Reconstruction reconstruct(const Sweep& sweep, const std::optional<FocalPrior>& focal, const Job& job);
 
 }  // namespace ldp

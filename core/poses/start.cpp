@@ -1,0 +1,205 @@
+#include "start.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "spherical.h"
+
+namespace ldp {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kSpherical = 4;  // hands leave the sphere: jitter shows as so many pixels
+constexpr int kHypotheses = 10;   // focal lengths tried when nothing is known
+constexpr double kWidestView = 105 * kDegree, kNarrowestView = 18 * kDegree;  // of the longer side
+constexpr size_t kRaysPerPair = 100;                                          // matches that vote for a pair's rotation
+constexpr int kCoarsePerFrame = 50;             // observations per frame that decide between focal lengths
+constexpr double kGuess = 0.2;                  // inverse distance of a point that cannot be triangulated yet
+constexpr double kNearest = 5, kBeyond = -0.1;  // inverse distances that are believed
+constexpr size_t kFreed = 3;                    // starts that are adjusted with free centres
+constexpr double kSame = 0.02;                  // starts whose focal lengths differ by less are one
+
+std::vector<RayPair> ray_pairs(const Sweep& sweep, const PairMatches& pair, double focal) {
+  std::vector<RayPair> rays;
+  const size_t step = std::max<size_t>(1, pair.matches.size() / kRaysPerPair);
+  for (size_t i = 0; i < pair.matches.size(); i += step) {
+    const Match& m = pair.matches[i];
+    rays.push_back({sweep.features[static_cast<size_t>(pair.a)].from_middle(m.a) / focal,
+                    sweep.features[static_cast<size_t>(pair.b)].from_middle(m.b) / focal});
+  }
+  return rays;
+}
+
+std::vector<RotationEdge> rotation_edges(const Sweep& sweep, double focal) {
+  std::vector<RotationEdge> edges;
+  for (const PairMatches& pair : sweep.pairs) {
+    const RelativeRotation r = spherical_rotation(ray_pairs(sweep, pair, focal), sweep.pixels(kSpherical) / focal);
+    edges.push_back({pair.a, pair.b, r.b_from_a, static_cast<double>(pair.matches.size()) * std::exp(-r.cost)});
+  }
+  return edges;
+}
+
+std::vector<double> focal_hypotheses(const Sweep& sweep, const std::optional<FocalPrior>& prior) {
+  std::vector<double> focals;
+  if (prior) {
+    for (const double factor : {0.8, 0.9, 1.0, 1.1, 1.25}) focals.push_back(factor * prior->focal_px);
+    return focals;
+  }
+  const double longer = std::max(sweep.features[0].width, sweep.features[0].height);
+  const double shortest = 0.5 * longer / std::tan(0.5 * kWidestView),
+               longest = 0.5 * longer / std::tan(0.5 * kNarrowestView);
+  for (int i = 0; i < kHypotheses; ++i)
+    focals.push_back(shortest * std::pow(longest / shortest, i / (kHypotheses - 1.0)));
+  return focals;
+}
+
+struct Start {
+  Bundle bundle;
+  double cost = std::numeric_limits<double>::infinity();
+};
+
+void adjust(Start& start, const BundleOptions& options, const Job& job) {
+  const BundleSummary summary = adjust(start.bundle, options, job);
+  start.cost = summary.usable && std::isfinite(summary.cost) ? summary.cost : std::numeric_limits<double>::infinity();
+}
+
+void sort_by_cost(std::vector<Start>& candidates) {
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Start& a, const Start& b) { return a.cost < b.cost; });
+}
+
+// The best few, different ones.
+std::vector<Start> best_of(std::vector<Start> candidates, size_t most) {
+  sort_by_cost(candidates);
+  std::vector<Start> chosen;
+  for (Start& candidate : candidates) {
+    const bool known = std::any_of(chosen.begin(), chosen.end(), [&](const Start& other) {
+      return std::abs(std::log(candidate.bundle.lens.focal_px / other.bundle.lens.focal_px)) < kSame;
+    });
+    if (!known && chosen.size() < most) chosen.push_back(std::move(candidate));
+  }
+  return chosen;
+}
+
+void add(const Track& track, const InversePoint& point, Bundle& bundle) {
+  const int index = static_cast<int>(bundle.points.size());
+  bundle.points.push_back(point);
+  for (const Observation& o : track) bundle.observations.push_back({o.frame, index, o.position_px});
+}
+
+bool believable(const InversePoint& point) {
+  return point.inverse_distance < kNearest && point.inverse_distance > kBeyond;
+}
+
+// At infinity a camera's place does not matter: with all in one place, every point is found there.
+std::vector<Sighting> sightings(const Track& track, const Bundle& bundle, bool at_infinity = false) {
+  std::vector<Sighting> result;
+  for (const Observation& o : track) {
+    const Pose& pose = bundle.cameras[static_cast<size_t>(o.frame)];
+    result.push_back({pose.world_from_camera.transpose(), at_infinity ? Eigen::Vector3d::Zero().eval() : pose.centre,
+                      ray_of(o.position_px, bundle.lens)});
+  }
+  return result;
+}
+
+}  // namespace
+
+double Sweep::pixels(double of_800) const { return of_800 * std::max(features[0].width, features[0].height) / 800; }
+
+std::vector<Track> longest_tracks(std::vector<Track> tracks, int frames, int per_frame) {
+  std::stable_sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.size() > b.size(); });
+  std::vector<int> seen(static_cast<size_t>(frames), 0);
+  std::vector<Track> chosen;
+  for (const Track& track : tracks) {
+    const bool wanted = std::any_of(track.begin(), track.end(), [&](const Observation& o) {
+      return seen[static_cast<size_t>(o.frame)] < per_frame;
+    });
+    if (!wanted) continue;
+    for (const Observation& o : track) ++seen[static_cast<size_t>(o.frame)];
+    chosen.push_back(track);
+  }
+  return chosen;
+}
+
+void place_all(const std::vector<Track>& tracks, Bundle& bundle) {
+  bundle.points.clear();
+  bundle.observations.clear();
+  for (const Track& track : tracks) {
+    const std::vector<Sighting> s = sightings(track, bundle);
+    std::optional<InversePoint> point = triangulate_point(s);
+    if (!point || !believable(*point)) {
+      const Sighting& middle = s[s.size() / 2];
+      const Eigen::Vector3d ray = middle.camera_from_world.transpose() * middle.position.homogeneous().normalized();
+      point = InversePoint{(ray + kGuess * middle.centre).normalized(), kGuess};
+    }
+    add(track, *point, bundle);
+  }
+}
+
+std::vector<Track> place_good(const std::vector<Track>& tracks, double tolerance_px, bool at_infinity, Bundle& bundle,
+                              const Job& job) {
+  struct Placed {
+    std::optional<InversePoint> point;
+    std::vector<bool> used;
+  };
+  constexpr int kChunk = 128;
+  std::vector<Placed> placed(tracks.size());
+  parallel_for(job, (static_cast<int>(tracks.size()) + kChunk - 1) / kChunk, [&](int chunk) {
+    const size_t begin = static_cast<size_t>(chunk) * kChunk, end = std::min(tracks.size(), begin + kChunk);
+    for (size_t i = begin; i < end; ++i) {
+      if (tracks[i].size() < 2) continue;
+      placed[i].point = triangulate_point_robustly(sightings(tracks[i], bundle, at_infinity),
+                                                   tolerance_px / bundle.lens.focal_px, placed[i].used);
+    }
+  });
+  bundle.points.clear();
+  bundle.observations.clear();
+  std::vector<Track> kept;
+  for (size_t i = 0; i < tracks.size(); ++i) {
+    if (!placed[i].point || !believable(*placed[i].point)) continue;
+    Track good;
+    for (size_t j = 0; j < tracks[i].size(); ++j) {
+      if (placed[i].used[j]) good.push_back(tracks[i][j]);
+    }
+    if (at_infinity) placed[i].point->inverse_distance = 0;
+    add(good, *placed[i].point, bundle);
+    kept.push_back(std::move(good));
+  }
+  return kept;
+}
+
+std::vector<Bundle> starts(const Sweep& sweep, const std::vector<Track>& tracks, const std::optional<FocalPrior>& prior,
+                           const Job& job) {
+  const std::vector<Track> coarse = longest_tracks(tracks, sweep.frames(), kCoarsePerFrame);
+  const std::vector<double> focals = focal_hypotheses(sweep, prior);
+  std::vector<Start> candidates(focals.size());
+  BundleOptions options;
+  options.focal_prior = prior;
+  options.loss_px = sweep.pixels(kSpherical);
+  options.model = Model::spherical;
+  options.most_iterations = 30;
+  parallel_for(job, static_cast<int>(focals.size()), [&](int i) {
+    Start& start = candidates[static_cast<size_t>(i)];
+    start.bundle.lens.focal_px = focals[static_cast<size_t>(i)];
+    std::vector<bool> reached;
+    for (const Eigen::Matrix3d& r : average_rotations(sweep.frames(), sweep.frames() / 2,
+                                                      rotation_edges(sweep, focals[static_cast<size_t>(i)]), reached)) {
+      start.bundle.cameras.push_back({r, r.col(2)});
+    }
+    place_all(coarse, start.bundle);
+    adjust(start, options, job);
+  });
+  candidates = best_of(std::move(candidates), kFreed);
+  options.model = Model::free;
+  parallel_for(job, static_cast<int>(candidates.size()),
+               [&](int i) { adjust(candidates[static_cast<size_t>(i)], options, job); });
+  candidates = best_of(std::move(candidates), kFreed);
+  std::vector<Bundle> bundles;
+  for (Start& candidate : candidates) bundles.push_back(std::move(candidate.bundle));
+  return bundles;
+}
+
+}  // namespace ldp
