@@ -1,0 +1,11 @@
+// Scales a picture down by averaging the area that each new pixel covers.
+#pragma once
+
+#include "plane.h"
+
+namespace ldp {
+
+// Width and height at most those of the source (throws std::logic_error otherwise).
+RgbImage resize_by_area(const RgbImage& source, int width, int height);
+
+}  // namespace ldp

@@ -1,0 +1,100 @@
+// ldp build: a capture folder to an .ldp file.
+
+#include "build.h"
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "build_report.h"
+#include "build_setup.h"
+#include "commands.h"
+#include "images.h"
+#include "ldp_file.h"
+#include "output.h"
+#include "progress_bar.h"
+
+namespace ldp {
+namespace {
+
+struct BuildCommand {
+  BuildSetup setup;
+  std::string output, report, debug;
+};
+
+// Debug pictures stay also when the build cannot be done: that is when they are wanted most. An interrupted one leaves none.
+BuildResult build_with_pictures(const PreparedBuild& prepared, const std::string& debug, const Job& job) {
+  if (debug.empty()) return build(prepared.frames, prepared.options, job);
+  OutputFolder folder(debug, OutputFolder::Existing::merge);
+  BuildOptions options = prepared.options;
+  options.debug_directory = folder.path().string();
+  try {
+    BuildResult result = build(prepared.frames, options, job);
+    folder.keep();
+    return result;
+  } catch (const Cancelled&) {
+    throw;
+  } catch (...) {
+    folder.keep();
+    throw;
+  }
+}
+
+void add_metadata(const CaptureNotes& notes, LayeredPanorama& panorama) {
+  panorama.metadata["software"] = "ldp " LDP_VERSION;
+  if (!notes.device.empty()) panorama.metadata["device"] = notes.device;
+  if (!notes.captured_utc.empty()) panorama.metadata["captured_utc"] = notes.captured_utc;
+}
+
+void print_summary(const BuildCommand& command, const BuildResult& result, size_t bytes, double seconds) {
+  const LayeredPanorama& panorama = result.panorama;
+  std::printf("%s: %dx%d, %zu layers, %zu of %zu photos, %zu bytes, %.1f s\n", command.output.c_str(), panorama.grid.width, panorama.grid.height,
+              panorama.layers.size(), panorama.cameras.size(), result.report.poses.frames.size(), bytes, seconds);
+  for (const FrameReport& frame : result.report.poses.frames) {
+    if (!frame.posed) std::printf("%s: left out: %s\n", frame.name.c_str(), frame.reason.c_str());
+  }
+  for (const std::string& note : result.report.notes) std::printf("%s\n", note.c_str());
+}
+
+int run(const BuildCommand& command, const Session& session) {
+  const auto begin = std::chrono::steady_clock::now();
+  check_output_file(command.output);
+  if (!command.report.empty()) check_output_file(command.report);
+  const PreparedBuild prepared = prepare(command.setup);
+  std::optional<ProgressBar> bar(session.progress_fd);
+  const Job job = start_job(session, *bar);
+  BuildResult result = build_with_pictures(prepared, command.debug, job);
+  add_metadata(prepared.notes, result.panorama);
+  const std::vector<uint8_t> file = encode_ldp(result.panorama, {command.setup.colour_quality});
+  job.check();
+  write_file(command.output, file);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  nlohmann::ordered_json report = report_json(result.report, result.panorama);
+  report["version"] = LDP_VERSION;
+  report["options"] = options_json(command.setup, prepared.options);
+  report["options"]["threads"] = session.thread_count();
+  report["seconds"]["whole"] = seconds;
+  report["peak_memory_bytes"] = peak_memory_bytes();
+  report["bytes"] = sizes_json(file);
+  if (!command.report.empty()) write_text(command.report, report.dump(1) + "\n");
+  bar.reset();
+  if (session.json) std::printf("%s\n", report.dump(1).c_str());
+  else print_summary(command, result, file.size(), seconds);
+  return kDone;
+}
+
+}  // namespace
+
+void add_build(Program& program) {
+  auto command = std::make_shared<BuildCommand>();
+  CLI::App& app = add_command(program, "build", "Turn a folder of photos into a layered depth panorama",
+                              [command](const Session& session) { return run(*command, session); });
+  add_capture_options(app, command->setup);
+  app.add_option("-o,--output", command->output, "The .ldp file to write")->required();
+  add_build_options(app, command->setup);
+  app.add_option("--report", command->report, "Write seconds, memory, energies and sizes to this .json file");
+  app.add_option("--debug", command->debug, "Write pictures of every stage into this folder");
+}
+
+}  // namespace ldp
