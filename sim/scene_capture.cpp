@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int64_t kFrameInterval_ns = 350'000'000;
-constexpr double kExposure_us = 4000;
+constexpr double kExposure_s = 0.004;
 
 std::span<const uint8_t> bytes_of(const std::string& text) {
   return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
@@ -38,20 +38,22 @@ void write_cameras(const fs::path& file, const std::string& folder, std::vector<
 // No clock is read: the same options give the same bytes.
 std::string capture_json(const SceneCaptureOptions& options, const SceneSweep& sweep) {
   nlohmann::ordered_json json;
-  json["format"] = "ldp-capture";
   json["version"] = 1;
   json["device"] = "simulated";
   json["camera"] = "scene:" + options.scene + "?seed=" + std::to_string(options.seed);
-  json["captured_utc"] = "2026-01-01T12:00:00Z";
-  json["arm_length_m"] = options.path.radius;
+  json["width"] = options.path.width;
+  json["height"] = options.path.height;
+  json["arm_length"] = options.path.radius;
   json["exposure_locked"] = options.exposure_drift == 0;
-  const int64_t end = kFrameInterval_ns * options.path.frames;
-  json["button"] = {{"pressed_ns", 0}, {"released_ns", end}};
+  json["begin_utc"] = "2026-01-01T12:00:00Z";
+  json["begin_ns"] = 0;
+  json["end_ns"] = kFrameInterval_ns * options.path.frames;
+  json["complete"] = true;
   json["frames"] = nlohmann::ordered_json::array();
   for (int i = 0; i < options.path.frames; ++i) {
     json["frames"].push_back({{"file", "frames/" + sweep.cameras()[static_cast<size_t>(i)].name},
                               {"time_ns", kFrameInterval_ns * i},
-                              {"exposure_us", kExposure_us * sweep.exposure(i)},
+                              {"exposure_s", kExposure_s * sweep.exposure(i)},
                               {"gain", 1.0}});
   }
   return json.dump(1) + "\n";

@@ -21,7 +21,7 @@ struct BuildOptions {
   int labels = 16;     // 2 .. 16
   int iterations = 2;  // 1 .. 4; the second and later use visibility
   Rays rays = Rays::pushbroom;
-  int block_px = 16;  // of the depth codes; 0 = uniform codes
+  int block_px = 16;                     // of the depth codes; 0 = uniform codes
   double near_depth = 0, far_depth = 0;  // capture's unit; 0 = from the points
   size_t memory_bytes = size_t{128} << 20;
   PosesOptions poses;

@@ -23,7 +23,8 @@ struct BuildCommand {
   std::string output, report, debug;
 };
 
-// Debug pictures stay also when the build cannot be done: that is when they are wanted most. An interrupted one leaves none.
+// Debug pictures stay also when the build cannot be done: that is when they are wanted most. An interrupted one leaves
+// none.
 BuildResult build_with_pictures(const PreparedBuild& prepared, const std::string& debug, const Job& job) {
   if (debug.empty()) return build(prepared.frames, prepared.options, job);
   OutputFolder folder(debug, OutputFolder::Existing::merge);
@@ -49,8 +50,9 @@ void add_metadata(const CaptureNotes& notes, LayeredPanorama& panorama) {
 
 void print_summary(const BuildCommand& command, const BuildResult& result, size_t bytes, double seconds) {
   const LayeredPanorama& panorama = result.panorama;
-  std::printf("%s: %dx%d, %zu layers, %zu of %zu photos, %zu bytes, %.1f s\n", command.output.c_str(), panorama.grid.width, panorama.grid.height,
-              panorama.layers.size(), panorama.cameras.size(), result.report.poses.frames.size(), bytes, seconds);
+  std::printf("%s: %dx%d, %zu layers, %zu of %zu photos, %zu bytes, %.1f s\n", command.output.c_str(),
+              panorama.grid.width, panorama.grid.height, panorama.layers.size(), panorama.cameras.size(),
+              result.report.poses.frames.size(), bytes, seconds);
   for (const FrameReport& frame : result.report.poses.frames) {
     if (!frame.posed) std::printf("%s: left out: %s\n", frame.name.c_str(), frame.reason.c_str());
   }
@@ -79,8 +81,10 @@ int run(const BuildCommand& command, const Session& session) {
   report["bytes"] = sizes_json(file);
   if (!command.report.empty()) write_text(command.report, report.dump(1) + "\n");
   bar.reset();
-  if (session.json) std::printf("%s\n", report.dump(1).c_str());
-  else print_summary(command, result, file.size(), seconds);
+  if (session.json)
+    std::printf("%s\n", report.dump(1).c_str());
+  else
+    print_summary(command, result, file.size(), seconds);
   return kDone;
 }
 

@@ -14,9 +14,12 @@ using Json = nlohmann::ordered_json;
 
 const char* name_of(Motion motion) {
   switch (motion) {
-    case Motion::arc: return "arc";
-    case Motion::straight: return "straight";
-    case Motion::rotation: return "rotation";
+    case Motion::arc:
+      return "arc";
+    case Motion::straight:
+      return "straight";
+    case Motion::rotation:
+      return "rotation";
   }
   return "";
 }
@@ -77,8 +80,9 @@ Json report_json(const BuildReport& report, const LayeredPanorama& panorama) {
     total += seconds;
   }
   json["seconds"]["total"] = total;
-  json["panorama"] = {{"width", panorama.grid.width},   {"height", panorama.grid.height}, {"wraps", panorama.grid.wraps},
-                      {"w_far", panorama.grid.w_far},   {"w_near", panorama.grid.w_near}, {"layers", panorama.layers.size()}};
+  json["panorama"] = {{"width", panorama.grid.width},   {"height", panorama.grid.height},
+                      {"wraps", panorama.grid.wraps},   {"w_far", panorama.grid.w_far},
+                      {"w_near", panorama.grid.w_near}, {"layers", panorama.layers.size()}};
   json["coverage"] = report.coverage;
   json["arc"] = arc_json(report.arc);
   json["solves"] = Json::array();
@@ -93,7 +97,8 @@ Json sizes_json(std::span<const uint8_t> file) {
   Json json;
   json["file"] = description.file_bytes;
   json["chunks"] = Json::array();
-  for (const LdpChunk& chunk : description.chunks) json["chunks"].push_back({{"type", chunk.type}, {"layer", chunk.layer}, {"bytes", chunk.length}});
+  for (const LdpChunk& chunk : description.chunks)
+    json["chunks"].push_back({{"type", chunk.type}, {"layer", chunk.layer}, {"bytes", chunk.length}});
   return json;
 }
 

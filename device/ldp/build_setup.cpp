@@ -20,8 +20,10 @@ const std::map<std::string, Rays>& rays_by_name() {
 void add_capture_options(CLI::App& command, BuildSetup& setup) {
   command.add_option("CAPTURE", setup.capture, "Folder of photos, taken in name order")->required();
   command.add_option("--cameras", setup.cameras, "Known cameras (transforms.json); without it they are estimated");
-  command.add_option("--fov", setup.fov_deg, "Horizontal field of view of the photos, degrees, as a start")->check(CLI::Range(5.0, 150.0));
-  command.add_option("--arm-length", setup.arm_length, "Length of the arm, metres: sets the scale of estimated poses")->check(CLI::Range(0.05, 100.0));
+  command.add_option("--fov", setup.fov_deg, "Horizontal field of view of the photos, degrees, as a start")
+      ->check(CLI::Range(5.0, 150.0));
+  command.add_option("--arm-length", setup.arm_length, "Length of the arm, metres: sets the scale of estimated poses")
+      ->check(CLI::Range(0.05, 100.0));
   command.add_option("--megapixels", setup.megapixels, "Larger photos are scaled down to this size")
       ->check(CLI::Range(0.01, 200.0))
       ->capture_default_str();
@@ -31,15 +33,24 @@ void add_capture_options(CLI::App& command, BuildSetup& setup) {
 void add_build_options(CLI::App& command, BuildSetup& setup) {
   BuildOptions& build = setup.build;
   command.add_option("--layers", build.layers, "Layers at most")->check(CLI::Range(1, 8))->capture_default_str();
-  command.add_option("--labels", build.labels, "Depth labels of the graph cut")->check(CLI::Range(2, 16))->capture_default_str();
-  command.add_option("--iterations", build.iterations, "Rounds; from the second on with visibility")->check(CLI::Range(1, 4))->capture_default_str();
-  command.add_option("--rays", build.rays, "pushbroom or central")->transform(CLI::CheckedTransformer(rays_by_name()))->default_str("pushbroom");
+  command.add_option("--labels", build.labels, "Depth labels of the graph cut")
+      ->check(CLI::Range(2, 16))
+      ->capture_default_str();
+  command.add_option("--iterations", build.iterations, "Rounds; from the second on with visibility")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
+  command.add_option("--rays", build.rays, "pushbroom or central")
+      ->transform(CLI::CheckedTransformer(rays_by_name()))
+      ->default_str("pushbroom");
   command.add_option("--block", build.block_px, "Pixels per side of a block of depth codes; 0 = one range for all")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
-  command.add_option("--near", build.near_depth, "Nearest depth, in the capture's unit; 0 = from the photos")->check(CLI::Range(0.0, 1e9));
+  command.add_option("--near", build.near_depth, "Nearest depth, in the capture's unit; 0 = from the photos")
+      ->check(CLI::Range(0.0, 1e9));
   command.add_option("--far", build.far_depth, "Farthest depth; 0 = from the photos")->check(CLI::Range(0.0, 1e9));
-  command.add_option("--quality", setup.colour_quality, "Of colour, 1 to 100; 101 = lossless")->check(CLI::Range(1, 101))->capture_default_str();
+  command.add_option("--quality", setup.colour_quality, "Of colour, 1 to 100; 101 = lossless")
+      ->check(CLI::Range(1, 101))
+      ->capture_default_str();
   command.add_option("--memory", build.memory_bytes, "Memory to work in, such as 128M")
       ->transform(CLI::AsSizeValue(false))
       ->default_str("128M");
@@ -51,16 +62,22 @@ PreparedBuild prepare(const BuildSetup& setup) {
   PreparedBuild prepared{FolderFrames(setup.capture, folder), read_capture_notes(setup.capture), setup.build};
   BuildOptions& options = prepared.options;
   if (options.near_depth > 0 && options.far_depth > 0 && options.near_depth >= options.far_depth) {
-    throw BadInput("--near " + std::to_string(options.near_depth) + ": is not nearer than --far " + std::to_string(options.far_depth));
+    throw BadInput("--near " + std::to_string(options.near_depth) + ": is not nearer than --far " +
+                   std::to_string(options.far_depth));
   }
-  if (setup.arm_length > 0) options.poses.arm_length = setup.arm_length;
-  else if (prepared.notes.arm_length) options.poses.arm_length = *prepared.notes.arm_length;
-  if (setup.fov_deg > 0) options.poses.fov_rad = setup.fov_deg * std::numbers::pi / 180;
-  else if (prepared.notes.fov_rad) options.poses.fov_rad = prepared.notes.fov_rad;
+  if (setup.arm_length > 0)
+    options.poses.arm_length = setup.arm_length;
+  else if (prepared.notes.arm_length)
+    options.poses.arm_length = *prepared.notes.arm_length;
+  if (setup.fov_deg > 0)
+    options.poses.fov_rad = setup.fov_deg * std::numbers::pi / 180;
+  else if (prepared.notes.fov_rad)
+    options.poses.fov_rad = prepared.notes.fov_rad;
   if (!setup.cameras.empty()) {
     options.cameras = prepared.frames.fit(read_transforms(setup.cameras));
     if (options.cameras.size() < 3) {
-      throw BadInput(setup.cameras + ": only " + std::to_string(options.cameras.size()) + " of its cameras are named like photos of " + setup.capture +
+      throw BadInput(setup.cameras + ": only " + std::to_string(options.cameras.size()) +
+                     " of its cameras are named like photos of " + setup.capture +
                      ": check that file_path holds the photos' names");
     }
   }
@@ -81,7 +98,8 @@ nlohmann::ordered_json options_json(const BuildSetup& setup, const BuildOptions&
   json["memory_bytes"] = used.memory_bytes;
   json["colour_quality"] = setup.colour_quality;
   json["megapixels"] = setup.megapixels;
-  json["fov_degrees"] = used.poses.fov_rad ? nlohmann::ordered_json(*used.poses.fov_rad * 180 / std::numbers::pi) : nullptr;
+  json["fov_degrees"] =
+      used.poses.fov_rad ? nlohmann::ordered_json(*used.poses.fov_rad * 180 / std::numbers::pi) : nullptr;
   json["arm_length"] = used.poses.arm_length;
   json["seed"] = used.poses.seed;
   json["debug_directory"] = used.debug_directory;

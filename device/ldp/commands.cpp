@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <system_error>
@@ -40,10 +41,23 @@ void add_device_command(Program& program, const std::string& name, const std::st
 
 }  // namespace
 
+void parse_size(const std::string& text, int& width, int& height) {
+  char rest = 0;
+  const int read = std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &rest);
+  if (read != 2 || width < 16 || height < 16 || width > 8192 || height > 8192)
+    throw BadInput("--size " + text + ": is not WIDTHxHEIGHT with sides from 16 to 8192, such as 800x600");
+}
+
 void add_commands(Program& program) {
   add_device_command(program, "capture", "One sweep of a camera into a capture folder");
-  add_device_command(program, "watch", "Show what a device tells over LCM, or send it a command");
+  add_build(program);
+  add_render(program);
+  add_info(program);
+  add_verify(program);
+  add_evaluate(program);
+  add_poses(program);
   add_scene(program);
+  add_device_command(program, "watch", "Show what a device tells over LCM, or send it a command");
 }
 
 }  // namespace ldp

@@ -25,8 +25,17 @@ CLI::App& add_command(Program& program, const std::string& name, const std::stri
 // and is run by `ldp` so that building and rendering do without them.
 void add_commands(Program& program);
 
+void add_build(Program& program);
+void add_render(Program& program);
+void add_info(Program& program);
+void add_verify(Program& program);
+void add_evaluate(Program& program);
+void add_poses(Program& program);
 void add_scene(Program& program);
 void add_capture(Program& program);
 void add_watch(Program& program);
+
+// "800x600", sides from 16 to 8192; throws BadInput.
+void parse_size(const std::string& text, int& width, int& height);
 
 }  // namespace ldp

@@ -20,13 +20,15 @@ int complain(const Program& program, const std::string& message, int status) {
 }
 
 int parse(Program& program, int argc, char** argv) {
+  const std::string first = argc > 1 ? argv[1] : "-";
+  if (!first.starts_with('-') && program.app.get_subcommand_no_throw(first) == nullptr)
+    return complain(program, "there is no command '" + first + "': see ldp --help", kBadInput);
   try {
     program.app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // help or version
     return program.app.exit(request);
   } catch (const CLI::ParseError& error) {
-    const auto chosen = program.app.get_subcommands();
-    if (!chosen.empty()) program.command = chosen.front()->get_name();
+    if (program.app.get_subcommand_no_throw(first) != nullptr) program.command = first;
     const std::string help = program.command.empty() ? "ldp --help" : "ldp " + program.command + " --help";
     return complain(program, std::string(error.what()) + ": see " + help, kBadInput);
   }

@@ -24,8 +24,8 @@ struct PosesCommand {
 void print_table(const PosesReport& report) {
   for (const FrameReport& frame : report.frames) {
     if (frame.posed) {
-      std::printf("%s: %d features, %d matches, %d inliers, %.2f px\n", frame.name.c_str(), frame.features, frame.matches, frame.inliers,
-                  frame.reprojection_px);
+      std::printf("%s: %d features, %d matches, %d inliers, %.2f px\n", frame.name.c_str(), frame.features,
+                  frame.matches, frame.inliers, frame.reprojection_px);
     } else {
       std::printf("%s: left out: %s\n", frame.name.c_str(), frame.reason.c_str());
     }
@@ -39,13 +39,16 @@ int run(const PosesCommand& command, const Session& session) {
   const PreparedBuild prepared = prepare(command.setup);
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
-  const Poses poses = prepared.options.cameras.empty() ? estimate_poses(prepared.frames, prepared.options.poses, job)
-                                                       : triangulate(prepared.frames, prepared.options.cameras, prepared.options.poses, job);
+  const Poses poses = prepared.options.cameras.empty()
+                          ? estimate_poses(prepared.frames, prepared.options.poses, job)
+                          : triangulate(prepared.frames, prepared.options.cameras, prepared.options.poses, job);
   job.check();
   if (!command.output.empty()) write_transforms(command.output, poses.cameras);
   bar.reset();
-  if (session.json) std::printf("%s\n", poses_json(poses.report).dump(1).c_str());
-  else print_table(poses.report);
+  if (session.json)
+    std::printf("%s\n", poses_json(poses.report).dump(1).c_str());
+  else
+    print_table(poses.report);
   return kDone;
 }
 

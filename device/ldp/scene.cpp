@@ -23,14 +23,6 @@ struct SceneCommand {
   bool no_novel = false, list = false;
 };
 
-void parse_size(const std::string& text, SweepPath& path) {
-  char rest = 0;
-  const int read = std::sscanf(text.c_str(), "%dx%d%c", &path.width, &path.height, &rest);
-  if (read != 2 || path.width < 16 || path.height < 16 || path.width > 8192 || path.height > 8192) {
-    throw BadInput("--size " + text + ": is not WIDTHxHEIGHT with sides from 16 to 8192, such as 800x600");
-  }
-}
-
 int run(SceneCommand command, const Session& session) {
   if (command.list) {
     for (const std::string& name : scene_names()) std::printf("%s\n", name.c_str());
@@ -38,7 +30,7 @@ int run(SceneCommand command, const Session& session) {
   }
   if (command.scene.scene.empty()) throw BadInput("no scene is named: give one of those that --list shows");
   if (command.output.empty()) throw BadInput("no output folder is named: add -o DIR");
-  parse_size(command.size, command.scene.path);
+  parse_size(command.size, command.scene.path.width, command.scene.path.height);
   command.scene.path.arc_rad = command.arc_deg * kDegree;
   command.scene.path.fov_rad = command.fov_deg * kDegree;
   command.scene.path.angle_jitter_rad = command.jitter_deg * kDegree;

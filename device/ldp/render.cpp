@@ -1,0 +1,167 @@
+// ldp render: views of an .ldp file.
+
+#include "render.h"
+
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <set>
+
+#include "camera_path.h"
+#include "commands.h"
+#include "film.h"
+#include "images.h"
+#include "output.h"
+#include "panorama_input.h"
+#include "progress_bar.h"
+#include "transforms.h"
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RenderCommand {
+  std::string panorama, cameras, path, output, size;
+  int frames = 90;
+  double fov_deg = 0;
+  RenderOptions options;
+};
+
+bool is_film(const std::string& output) {
+  const std::string ending = fs::path(output).extension().string();
+  return ending == ".mp4" || ending == ".webm" || ending == ".gif";
+}
+
+std::vector<Camera> cameras_of(const RenderCommand& command, const LayeredPanorama& panorama) {
+  if (!command.cameras.empty()) return read_transforms(command.cameras);
+  CameraPathOptions path;
+  path.kind = camera_path_from_name(command.path);
+  path.frames = command.frames;
+  path.view_rad = command.fov_deg * std::numbers::pi / 180;
+  if (!command.size.empty()) parse_size(command.size, path.width, path.height);
+  return camera_path(panorama, path);
+}
+
+void check_stems(const std::vector<Camera>& cameras, const std::string& file) {
+  std::set<std::string> stems;
+  for (const Camera& camera : cameras) {
+    const std::string stem = fs::path(camera.name).stem().string();
+    if (stem.empty()) throw BadInput(file + ": a frame has no file_path: name every frame, its view is named after it");
+    if (!stems.insert(stem).second)
+      throw BadInput(file + ": two frames are called " + stem + ": their views would overwrite each other");
+  }
+}
+
+struct Totals {
+  double holes = 0, invented = 0;
+  int views = 0;
+};
+
+void add(const View& view, Totals& totals) {
+  size_t holes = 0;
+  for (const uint8_t alpha : view.alpha.samples) holes += alpha < 128 ? 1 : 0;
+  totals.holes += static_cast<double>(holes) / static_cast<double>(view.alpha.samples.size());
+  totals.invented += view.invented_share;
+  ++totals.views;
+}
+
+Totals render_pictures(const RenderCommand& command, const Renderer& renderer, const std::vector<Camera>& cameras,
+                       const Job& job) {
+  OutputFolder folder(command.output, OutputFolder::Existing::merge);
+  Totals totals;
+  for (const Camera& camera : cameras) {
+    job.report("rendering", totals.views / static_cast<double>(cameras.size()));
+    const View view = renderer.render(camera, command.options, job);
+    const std::string stem = fs::path(camera.name).stem().string();
+    write_file(folder.path() / (stem + ".png"), encode_png(view.colour, view.alpha));
+    if (command.options.depth) write_file(folder.path() / (stem + ".pfm"), encode_pfm(view.depth));
+    add(view, totals);
+  }
+  job.check();
+  folder.keep();
+  return totals;
+}
+
+Totals render_film(const RenderCommand& command, const Renderer& renderer, const std::vector<Camera>& cameras,
+                   const Job& job) {
+  Film film(command.output, cameras.front().intrinsics.width, cameras.front().intrinsics.height);
+  Totals totals;
+  for (const Camera& camera : cameras) {
+    job.report("rendering", totals.views / static_cast<double>(cameras.size()));
+    const View view = renderer.render(camera, command.options, job);
+    film.add(view.colour);
+    add(view, totals);
+  }
+  job.check();
+  film.keep();
+  return totals;
+}
+
+void check(const RenderCommand& command) {
+  if (command.cameras.empty() == command.path.empty())
+    throw BadInput("give either --cameras FILE or --path sway|walk|dolly");
+  if (is_film(command.output)) {
+    if (command.options.depth) throw BadInput("--depth: a film has no depth: give a folder to -o");
+    check_output_file(command.output);
+  }
+}
+
+int run(const RenderCommand& command, const Session& session) {
+  check(command);
+  std::optional<ProgressBar> bar(session.progress_fd);
+  const Job job = start_job(session, *bar);
+  const bool film = is_film(command.output);
+  if (!film) OutputFolder(command.output, OutputFolder::Existing::merge);  // refused before the file is read
+  const LayeredPanorama panorama = read_panorama(command.panorama, job);
+  const std::vector<Camera> cameras = cameras_of(command, panorama);
+  if (cameras.empty()) throw BadInput(command.cameras + ": has no frames: add the cameras to render");
+  check_stems(cameras, command.cameras);
+  const Renderer renderer(panorama);
+  const Totals totals =
+      film ? render_film(command, renderer, cameras, job) : render_pictures(command, renderer, cameras, job);
+  bar.reset();
+  const double holes = 100 * totals.holes / totals.views, invented = 100 * totals.invented / totals.views;
+  if (session.json) {
+    std::printf("{\"views\": %d, \"holes_percent\": %.4f, \"invented_percent\": %.4f}\n", totals.views, holes,
+                invented);
+  } else {
+    std::printf("%s: %d views, %.2f %% holes", command.output.c_str(), totals.views, holes);
+    std::printf(command.options.fill == Fill::background ? ", %.2f %% filled\n" : "\n", invented);
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_render(Program& program) {
+  auto command = std::make_shared<RenderCommand>();
+  CLI::App& app = add_command(program, "render", "Render views with parallax from an .ldp file",
+                              [command](const Session& session) { return run(*command, session); });
+  const std::map<std::string, Fill> fills{{"none", Fill::none}, {"background", Fill::background}};
+  app.add_option("FILE", command->panorama, "The .ldp file")->required();
+  app.add_option("-o,--output", command->output, "Folder for the views, or a film (.mp4, .webm, .gif; needs ffmpeg)")
+      ->required();
+  app.add_option("--cameras", command->cameras, "The views to render (transforms.json)");
+  app.add_option("--path", command->path, "Move through the panorama instead: sway, walk or dolly")
+      ->check(CLI::IsMember({"sway", "walk", "dolly"}));
+  app.add_option("--frames", command->frames, "Views along the path")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app.add_option("--size", command->size, "Size of views along the path, WIDTHxHEIGHT");
+  app.add_option("--fov", command->fov_deg, "Horizontal field of view along the path, degrees; 0 = that of the photos")
+      ->check(CLI::Range(0.0, 150.0));
+  app.add_flag("--depth", command->options.depth, "Also write z-depth, as .pfm");
+  app.add_option("--layers", command->options.layers, "Draw at most so many layers")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
+  app.add_option("--fill", command->options.fill,
+                 "Holes: none leaves them transparent, background continues what lies behind")
+      ->transform(CLI::CheckedTransformer(fills))
+      ->default_str("none");
+}
+
+}  // namespace ldp
