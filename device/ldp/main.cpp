@@ -1,5 +1,6 @@
 // ldp: sweeps, panoramas and views from the command line.
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -19,16 +20,21 @@ int complain(const Program& program, const std::string& message, int status) {
   return status;
 }
 
+bool has_command(CLI::App& app, const std::string& name) {
+  const auto all = app.get_subcommands([](const CLI::App*) { return true; });
+  return std::any_of(all.begin(), all.end(), [&](const CLI::App* command) { return command->get_name() == name; });
+}
+
 int parse(Program& program, int argc, char** argv) {
   const std::string first = argc > 1 ? argv[1] : "-";
-  if (!first.starts_with('-') && program.app.get_subcommand_no_throw(first) == nullptr)
+  if (!first.starts_with('-') && !has_command(program.app, first))
     return complain(program, "there is no command '" + first + "': see ldp --help", kBadInput);
   try {
     program.app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // help or version
     return program.app.exit(request);
   } catch (const CLI::ParseError& error) {
-    if (program.app.get_subcommand_no_throw(first) != nullptr) program.command = first;
+    if (has_command(program.app, first)) program.command = first;
     const std::string help = program.command.empty() ? "ldp --help" : "ldp " + program.command + " --help";
     return complain(program, std::string(error.what()) + ": see " + help, kBadInput);
   }
