@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "follow.h"
+#include "general.h"
 #include "motion.h"
 
 namespace ldp {
@@ -17,6 +18,8 @@ constexpr int kLeastPosed = 3;             // frames
 constexpr int kLeastInliers = 12;          // observations that hold a frame in place
 constexpr double kMatched[] = {12, 5, 3};  // tolerances of the rounds on matches, pixels of 800
 constexpr double kFollowed[] = {4, 2};     // and on followed points
+constexpr double kNoArc = 1e3;             // sigma of the arc prior for paths that are none
+constexpr double kEnough = 0.85;           // share of the observations that must fit, else other motion is tried
 constexpr double kLossOfTolerance = 0.3;
 
 // Frames that hang together by matches, the largest such group; the others are dropped with a reason.
@@ -55,6 +58,16 @@ void require(const Sweep& sweep, const std::vector<std::string>& dropped) {
       " photos connect with each other; at least 3 are needed: take them with more overlap (three quarters)");
 }
 
+// Tracks without the observations of dropped frames.
+std::vector<Track> connected(const std::vector<Track>& tracks, const std::vector<std::string>& dropped) {
+  std::vector<Track> result;
+  for (Track track : tracks) {
+    std::erase_if(track, [&](const Observation& o) { return !dropped[static_cast<size_t>(o.frame)].empty(); });
+    if (track.size() >= 2) result.push_back(std::move(track));
+  }
+  return result;
+}
+
 class Rounds {
  public:
   Rounds(const Sweep& sweep, const std::optional<FocalPrior>& focal, const Job& job) : sweep_(sweep), job_(job) {
@@ -62,6 +75,7 @@ class Rounds {
   }
 
   void set_model(Model model) { options_.model = model; }
+  void forget_the_arc() { options_.arc_sigma = kNoArc; }
 
   // Places what agrees and adjusts everything to it.
   void round(const std::vector<Track>& tracks, double tolerance, bool distortion, Reconstruction& r) {
@@ -89,9 +103,33 @@ void drop_unheld(Reconstruction& r) {
     if (!r.dropped[i].empty() || held[i] >= kLeastInliers) continue;
     r.dropped[i] = "only " + std::to_string(held[i]) + " of its points agree with the other photos";
   }
-  for (Track& track : r.tracks) {
-    std::erase_if(track, [&](const Observation& o) { return !r.dropped[static_cast<size_t>(o.frame)].empty(); });
+  r.tracks = connected(r.tracks, r.dropped);
+}
+
+size_t observations(const std::vector<Track>& tracks) {
+  return std::accumulate(tracks.begin(), tracks.end(), size_t{0},
+                         [](size_t sum, const Track& t) { return sum + t.size(); });
+}
+
+// Where spherical motion leaves too much unexplained, general motion gets its chance; the one that explains more stays.
+void try_general_motion(const Sweep& sweep, const std::vector<Track>& tracks, const std::optional<FocalPrior>& focal,
+                        Rounds& rounds, const Job& job, Reconstruction& result) {
+  Reconstruction spherical = result;
+  spherical.tracks = place_good(tracks, sweep.pixels(kMatched[2]), false, spherical.bundle, job);
+  if (static_cast<double>(observations(spherical.tracks)) > kEnough * static_cast<double>(observations(tracks))) return;
+  std::optional<GeneralStart> start = general_start(sweep, tracks, focal, job);
+  if (!start) return;
+  Reconstruction general = result;
+  general.bundle = std::move(start->bundle);
+  for (size_t i = 0; i < start->posed.size(); ++i) {
+    if (!start->posed[i] && general.dropped[i].empty())
+      general.dropped[i] = "it shares too few points with the other photos";
   }
+  general.tracks =
+      place_good(connected(tracks, general.dropped), sweep.pixels(kMatched[2]), false, general.bundle, job);
+  if (observations(general.tracks) <= observations(spherical.tracks)) return;
+  rounds.forget_the_arc();
+  result = std::move(general);
 }
 
 }  // namespace
@@ -101,16 +139,18 @@ Reconstruction reconstruct(const Sweep& sweep, const std::optional<FocalPrior>& 
   result.dropped = loose_frames(sweep);
   require(sweep, result.dropped);
   std::vector<Track> tracks = build_tracks(sweep.features, sweep.pairs);
-  std::erase_if(tracks, [&](const Track& t) { return !result.dropped[static_cast<size_t>(t[0].frame)].empty(); });
+  tracks = connected(tracks, result.dropped);
   result.bundle = starts(sweep, tracks, focal, job).front();
   job.report("adjusting", 0.7);
 
   Rounds rounds(sweep, focal, job);
   rounds.round(tracks, kMatched[0], false, result);
+  try_general_motion(sweep, tracks, focal, rounds, job, result);
   if (only_turns(sweep, result.tracks, result.bundle, job)) {
     result.motion = Motion::rotation;
     rounds.set_model(Model::rotation);
   }
+  tracks = connected(tracks, result.dropped);
   for (const double tolerance : {kMatched[1], kMatched[2]}) rounds.round(tracks, tolerance, true, result);
   job.report("adjusting", 0.8);
   for (const double tolerance : kFollowed) {

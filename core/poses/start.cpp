@@ -56,6 +56,10 @@ std::vector<double> focal_hypotheses(const Sweep& sweep, const std::optional<Foc
   return focals;
 }
 
+FocalPrior anybodys_lens(const Sweep& sweep) {
+  return {0.9 * std::max(sweep.features[0].width, sweep.features[0].height), 0.5};
+}
+
 struct Start {
   Bundle bundle;
   double cost = std::numeric_limits<double>::infinity();
@@ -177,7 +181,7 @@ std::vector<Bundle> starts(const Sweep& sweep, const std::vector<Track>& tracks,
   const std::vector<double> focals = focal_hypotheses(sweep, prior);
   std::vector<Start> candidates(focals.size());
   BundleOptions options;
-  options.focal_prior = prior;
+  options.focal_prior = prior.value_or(anybodys_lens(sweep));
   options.loss_px = sweep.pixels(kSpherical);
   options.model = Model::spherical;
   options.most_iterations = 30;

@@ -1,0 +1,23 @@
+// A start for motion that is not an arm's: straight paths, dollies, looking inward. Two frames by an essential matrix,
+// then one frame after the other by the points that it already shares (incremental structure from motion).
+//
+// The cameras' mean is the origin and their root mean square distance from it 1, since such a path has no radius.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "start.h"
+
+namespace ldp {
+
+struct GeneralStart {
+  Bundle bundle;
+  std::vector<bool> posed;  // by frame
+};
+
+// The best over several focal lengths (around the prior's if there is one); none when no two frames make a beginning.
+std::optional<GeneralStart> general_start(const Sweep& sweep, const std::vector<Track>& tracks,
+                                          const std::optional<FocalPrior>& prior, const Job& job);
+
+}  // namespace ldp
