@@ -34,15 +34,17 @@ struct PreparedLayer {
 };
 
 PreparedLayer prepare_layer(const PanoramaGrid& grid, const Layer& layer) {
-  PreparedLayer prepared{{Plane<float>(grid.width, grid.height, kAbsent), Plane<Rgba>(grid.width, grid.height)},
-                         Plane<float>(grid.width, grid.height)};
+  const int columns = grid.wraps ? grid.width + 1 : grid.width;
+  PreparedLayer prepared{{Plane<float>(columns, grid.height, kAbsent), Plane<Rgba>(columns, grid.height)},
+                         Plane<float>(columns, grid.height)};
   for (int y = 0; y < grid.height; ++y)
-    for (int x = 0; x < grid.width; ++x) {
+    for (int column = 0; column < columns; ++column) {
+      const int x = column == grid.width ? 0 : column;
       if (!layer.coverage.at(x, y)) continue;
       const uint8_t alpha = layer.alpha.empty() ? uint8_t{255} : layer.alpha.at(x, y);
-      prepared.mesh.w.at(x, y) = static_cast<float>(grid.inverse_depth(layer.depth.disparity(x, y)));
-      prepared.mesh.colour.at(x, y) = pack(layer.colour.at(x, y), alpha);
-      prepared.step.at(x, y) = code_step(grid, layer.depth, x, y);
+      prepared.mesh.w.at(column, y) = static_cast<float>(grid.inverse_depth(layer.depth.disparity(x, y)));
+      prepared.mesh.colour.at(column, y) = pack(layer.colour.at(x, y), alpha);
+      prepared.step.at(column, y) = code_step(grid, layer.depth, x, y);
     }
   return prepared;
 }
@@ -88,7 +90,7 @@ Builder::Builder(const LayeredPanorama& panorama) : grid_(panorama.grid) {
 
 Corner Builder::corner(int layer, int x, int y) const {
   const PreparedLayer& from = layers_[static_cast<size_t>(layer)];
-  const size_t i = from.step.index(x == grid_.width ? 0 : x, y);
+  const size_t i = from.step.index(x, y);
   return {from.mesh.w.samples[i], from.step.samples[i], from.mesh.colour.samples[i]};
 }
 
@@ -193,9 +195,6 @@ MeshTile Builder::build_tile(int layer, int x0, int y0) const {
 
 Mesh Builder::build() {
   Mesh mesh;
-  mesh.width = grid_.width;
-  mesh.height = grid_.height;
-  mesh.wraps = grid_.wraps;
   for (int layer = 0; layer < static_cast<int>(layers_.size()); ++layer)
     for (int y0 = 0; y0 + 1 < grid_.height; y0 += kTilePx)
       for (int x0 = 0; x0 < (grid_.wraps ? grid_.width : grid_.width - 1); x0 += kTilePx) {

@@ -29,6 +29,7 @@ inline Rgba pack(Rgb c, uint8_t a) {
 }
 inline uint32_t alpha_of(Rgba c) { return c >> 24; }
 
+// One column wider than the panorama if that wraps: the last one is the first one again.
 struct MeshLayer {
   Plane<float> w;  // inverse depth; kAbsent where the layer is not present
   Plane<Rgba> colour;
@@ -53,8 +54,6 @@ struct MeshTile {
 };
 
 struct Mesh {
-  int width = 0, height = 0;  // of the panorama
-  bool wraps = false;
   std::vector<MeshLayer> layers;
   std::vector<MeshTile> tiles;  // layer by layer, only those with a quad
 };

@@ -1,6 +1,7 @@
 #include "raster.h"
 
 #include <algorithm>
+#include <array>
 
 namespace ldp::render {
 namespace {
@@ -10,207 +11,229 @@ struct Quad {
   float inverse_z[4];
 };
 
-template <class Int>
-struct Triangle {
-  Int ax, ay, bx, by, cx, cy;  // clockwise on the screen (y down)
-  Int area() const { return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax); }
-};
-
-// Twice the signed area of (from, to, p): positive to the right of the edge, which is inside.
-template <class Int>
-Int edge(Int fx, Int fy, Int tx, Int ty, Int px, Int py) {
-  return (tx - fx) * (py - fy) - (ty - fy) * (px - fx);
+// Twice the signed area of (from, to, p): positive to the right of the edge, which is inside (y runs down).
+int64_t edge(const Quad& q, int from, int to, int32_t px, int32_t py) {
+  return int64_t{q.x[to] - q.x[from]} * (py - q.y[from]) - int64_t{q.y[to] - q.y[from]} * (px - q.x[from]);
 }
 
 // Of two triangles that share an edge, exactly one owns the points on it.
-template <class Int>
-bool owns(Int value, Int fx, Int fy, Int tx, Int ty) {
-  return value > 0 || (value == 0 && (ty < fy || (ty == fy && tx > fx)));
+bool owns(int64_t value, const Quad& q, int from, int to) {
+  return value > 0 || (value == 0 && (q.y[to] < q.y[from] || (q.y[to] == q.y[from] && q.x[to] > q.x[from])));
 }
 
-// Calls emit(b, c, inverse area) with the unnormalised barycentric weights of the second and third corner.
-template <class Int, class Emit>
-void at_pixel(const Triangle<Int>& t, Int px, Int py, Emit emit) {
-  const Int c = edge(t.ax, t.ay, t.bx, t.by, px, py);
-  const Int a = edge(t.bx, t.by, t.cx, t.cy, px, py);
-  const Int b = edge(t.cx, t.cy, t.ax, t.ay, px, py);
-  if (owns(c, t.ax, t.ay, t.bx, t.by) && owns(a, t.bx, t.by, t.cx, t.cy) && owns(b, t.cx, t.cy, t.ax, t.ay))
-    emit(static_cast<float>(b), static_cast<float>(c));
-}
-
-struct PixelBox {
-  int x0, x1, y0, y1;  // inclusive
+// Position (s, t) in [0, 1]^2 of a pixel centre within a quad, and the inverse z there; false if it is outside, or on a
+// half that is seen from behind. The quad is split along the diagonal from corner 1 to corner 2; inverse z is linear on
+// the screen within each half. The three edge values of a triangle add up to its area.
+struct Hit {
+  float s, t, inverse_z;
 };
-
-// Calls emit(x, y, inverse_z, s, t) for every pixel centre inside the quad's front-facing halves; (s, t) in [0, 1]^2 is
-// the position within the quad. The quad is split along the diagonal from corner 1 to corner 2.
-template <class Int, class Emit>
-void cover(const Quad& q, const PixelBox& box, Emit emit) {
-  const auto triangle = [&](int a, int b, int c) {
-    return Triangle<Int>{q.x[a], q.y[a], q.x[b], q.y[b], q.x[c], q.y[c]};
-  };
-  const Triangle<Int> upper = triangle(0, 1, 2), lower = triangle(3, 2, 1);
-  const Int upper_area = upper.area(), lower_area = lower.area();
-  if (upper_area <= 0 && lower_area <= 0) return;
-  for (int y = box.y0; y <= box.y1; ++y)
-    for (int x = box.x0; x <= box.x1; ++x) {
-      const Int px = static_cast<Int>(x) * kSubPx, py = static_cast<Int>(y) * kSubPx;
-      if (upper_area > 0)
-        at_pixel<Int>(upper, px, py, [&](float b, float c) {
-          const float scale = 1 / static_cast<float>(upper_area), s = b * scale, t = c * scale;
-          emit(x, y, q.inverse_z[0] + s * (q.inverse_z[1] - q.inverse_z[0]) + t * (q.inverse_z[2] - q.inverse_z[0]), s,
-               t);
-        });
-      if (lower_area > 0)
-        at_pixel<Int>(lower, px, py, [&](float b, float c) {
-          const float scale = 1 / static_cast<float>(lower_area), s = b * scale, t = c * scale;
-          emit(x, y, q.inverse_z[3] + s * (q.inverse_z[2] - q.inverse_z[3]) + t * (q.inverse_z[1] - q.inverse_z[3]),
-               1 - s, 1 - t);
-        });
-    }
+bool hit(const Quad& q, int32_t px, int32_t py, Hit& out) {
+  const float* z = q.inverse_z;
+  const int64_t diagonal = edge(q, 1, 2, px, py);
+  if (owns(diagonal, q, 1, 2)) {
+    const int64_t top = edge(q, 0, 1, px, py), left = edge(q, 2, 0, px, py), area = diagonal + top + left;
+    if (!owns(top, q, 0, 1) || !owns(left, q, 2, 0) || area <= 0) return false;
+    const float scale = 1 / static_cast<float>(area);
+    out.s = static_cast<float>(left) * scale, out.t = static_cast<float>(top) * scale;
+    out.inverse_z = z[0] + out.s * (z[1] - z[0]) + out.t * (z[2] - z[0]);
+    return true;
+  }
+  const int64_t bottom = edge(q, 3, 2, px, py), right = edge(q, 1, 3, px, py), area = bottom + right - diagonal;
+  if (!owns(bottom, q, 3, 2) || !owns(right, q, 1, 3) || area <= 0) return false;
+  const float scale = 1 / static_cast<float>(area), a = static_cast<float>(right) * scale,
+              b = static_cast<float>(bottom) * scale;
+  out.s = 1 - a, out.t = 1 - b;
+  out.inverse_z = z[3] + a * (z[2] - z[3]) + b * (z[1] - z[3]);
+  return true;
 }
-
-// Pixel centres (multiples of kSubPx) inside the corners' box and the strip; false if there is none.
-bool pixel_box(const Quad& q, const StripTarget& target, PixelBox& box, bool& small) {
-  const int32_t x_min = std::min(std::min(q.x[0], q.x[1]), std::min(q.x[2], q.x[3]));
-  if (x_min == kOffScreen) return false;
-  const int32_t x_max = std::max(std::max(q.x[0], q.x[1]), std::max(q.x[2], q.x[3]));
-  const int32_t y_min = std::min(std::min(q.y[0], q.y[1]), std::min(q.y[2], q.y[3]));
-  const int32_t y_max = std::max(std::max(q.y[0], q.y[1]), std::max(q.y[2], q.y[3]));
-  box.x0 = std::max((x_min + kSubPx - 1) >> 8, target.x0);
-  box.x1 = std::min(x_max >> 8, target.x0 + target.width - 1);
-  box.y0 = std::max((y_min + kSubPx - 1) >> 8, 0);
-  box.y1 = std::min(y_max >> 8, target.height - 1);
-  constexpr int32_t kSmall = 60 * kSubPx;  // products of differences stay in 32 bits
-  small = x_max - x_min < kSmall && y_max - y_min < kSmall;
-  return box.x0 <= box.x1 && box.y0 <= box.y1;
-}
-static_assert(kSubPx == 1 << 8);
 
 // Bilinear mix of four packed colours, each channel to 8 bits.
-Rgba mix(Rgba c0, Rgba c1, Rgba c2, Rgba c3, float s, float t) {
+Rgba mix(const Rgba* c, float s, float t) {
   const auto si = static_cast<uint32_t>(s * 256 + 0.5F), ti = static_cast<uint32_t>(t * 256 + 0.5F);
   const uint32_t w3 = si * ti >> 8, w1 = si - w3, w2 = ti - w3, w0 = 256 - si - w2;
   constexpr uint32_t kEven = 0x00FF00FF, kHalf = 0x00800080;
-  const uint32_t even = (c0 & kEven) * w0 + (c1 & kEven) * w1 + (c2 & kEven) * w2 + (c3 & kEven) * w3 + kHalf;
+  const uint32_t even = (c[0] & kEven) * w0 + (c[1] & kEven) * w1 + (c[2] & kEven) * w2 + (c[3] & kEven) * w3 + kHalf;
   const uint32_t odd =
-      (c0 >> 8 & kEven) * w0 + (c1 >> 8 & kEven) * w1 + (c2 >> 8 & kEven) * w2 + (c3 >> 8 & kEven) * w3 + kHalf;
+      (c[0] >> 8 & kEven) * w0 + (c[1] >> 8 & kEven) * w1 + (c[2] >> 8 & kEven) * w2 + (c[3] >> 8 & kEven) * w3 + kHalf;
   return (even >> 8 & kEven) | (odd & ~kEven);
 }
 
-template <class Emit>
-void rasterise(const Quad& q, const StripTarget& target, Emit emit) {
-  PixelBox box;
-  bool small;
-  if (!pixel_box(q, target, box, small)) return;
-  if (small)
-    cover<int32_t>(q, box, emit);
-  else
-    cover<int64_t>(q, box, emit);
+// Up to kTilePx quads at a time: the pixels whose centres lie in each one's box, and its largest inverse z.
+struct Boxes {
+  int32_t x0[kTilePx], x1[kTilePx], y0[kTilePx], y1[kTilePx];  // inclusive
+  float nearest[kTilePx];
+};
+
+// Corner k of quad i is at [k][i].
+struct CornerRows {
+  const int32_t *x[4], *y[4];
+  const float* inverse_z[4];
+};
+
+// Smallest and largest of four rows, number by number.
+template <class T>
+void range(const T* const (&rows)[4], int count, T* __restrict smallest, T* __restrict largest) {
+  const T *a = rows[0], *b = rows[1], *c = rows[2], *d = rows[3];
+  for (int i = 0; i < count; ++i) {
+    const T ab_low = a[i] < b[i] ? a[i] : b[i], ab_high = a[i] < b[i] ? b[i] : a[i];
+    const T cd_low = c[i] < d[i] ? c[i] : d[i], cd_high = c[i] < d[i] ? d[i] : c[i];
+    smallest[i] = ab_low < cd_low ? ab_low : cd_low;
+    largest[i] = ab_high < cd_high ? cd_high : ab_high;
+  }
 }
 
-void draw_opaque(const Quad& q, const Rgba* c, StripTarget& target) {
-  rasterise(q, target, [&](int x, int y, float inverse_z, float s, float t) {
-    Fragment& pixel =
-        target.opaque[static_cast<size_t>(y) * static_cast<size_t>(target.width) + static_cast<size_t>(x - target.x0)];
-    if (inverse_z > pixel.inverse_z) pixel = {inverse_z, mix(c[0], c[1], c[2], c[3], s, t)};
-  });
+// The pixel centres of a range of positions within [first, last].
+void pixels_within(int count, int32_t first, int32_t last, int32_t* __restrict low, int32_t* __restrict high) {
+  static_assert(kSubPx == 1 << 8);
+  for (int i = 0; i < count; ++i) {
+    const int32_t begin = (low[i] + (kSubPx - 1)) >> 8, end = high[i] >> 8;
+    low[i] = begin < first ? first : begin;
+    high[i] = end > last ? last : end;
+  }
 }
 
-void insert_soft(StripTarget& target, size_t pixel, const Fragment& fragment) {
-  Fragment* list = &target.soft[pixel * kSoftDepth];
-  uint8_t& count = target.soft_count[pixel];
-  int at = count;
-  while (at > 0 && list[at - 1].inverse_z < fragment.inverse_z) --at;
-  if (at == kSoftDepth) return;
-  for (int i = std::min<int>(count, kSoftDepth - 1); i > at; --i) list[i] = list[i - 1];
-  list[at] = fragment;
-  count = static_cast<uint8_t>(std::min<int>(count + 1, kSoftDepth));
+// Fills the boxes of `count` quads; gives a mask of those not empty.
+uint32_t find_boxes(const CornerRows& c, int count, const StripTarget& target, Boxes& boxes) {
+  float farthest[kTilePx];
+  int32_t on_screen[kTilePx];
+  range(c.x, count, boxes.x0, boxes.x1);
+  range(c.y, count, boxes.y0, boxes.y1);
+  range(c.inverse_z, count, farthest, boxes.nearest);
+  for (int i = 0; i < count; ++i) on_screen[i] = boxes.x0[i] != kOffScreen;
+  pixels_within(count, target.x0, target.x0 + target.width - 1, boxes.x0, boxes.x1);
+  pixels_within(count, 0, target.height - 1, boxes.y0, boxes.y1);
+  for (int i = 0; i < count; ++i) on_screen[i] &= (boxes.x0[i] <= boxes.x1[i]) & (boxes.y0[i] <= boxes.y1[i]);
+  uint32_t mask = 0;
+  for (int i = 0; i < count; ++i) mask |= static_cast<uint32_t>(on_screen[i]) << i;
+  return mask;
 }
 
-void draw_soft(const Quad& q, const Rgba* c, StripTarget& target) {
-  rasterise(q, target, [&](int x, int y, float inverse_z, float s, float t) {
-    const size_t pixel =
-        static_cast<size_t>(y) * static_cast<size_t>(target.width) + static_cast<size_t>(x - target.x0);
-    if (inverse_z <= target.opaque[pixel].inverse_z) return;
-    const Rgba colour = mix(c[0], c[1], c[2], c[3], s, t);
-    if (alpha_of(colour) != 0) insert_soft(target, pixel, {inverse_z, colour});
-  });
+void draw_opaque(const Quad& q, const Rgba* c, const Boxes& boxes, int i, StripTarget& target) {
+  for (int y = boxes.y0[i]; y <= boxes.y1[i]; ++y)
+    for (int x = boxes.x0[i]; x <= boxes.x1[i]; ++x) {
+      Fragment& pixel = target.opaque[target.pixel(x, y)];
+      Hit at;
+      if (boxes.nearest[i] <= pixel.inverse_z || !hit(q, x * kSubPx, y * kSubPx, at)) continue;
+      if (at.inverse_z > pixel.inverse_z) pixel = {at.inverse_z, mix(c, at.s, at.t)};
+    }
 }
 
-Quad place(const TornQuad& torn, const MeshTile& tile, const ViewFrustum& frustum) {
-  Quad q;
-  for (int i = 0; i < 4; ++i)
-    frustum.project(tile.x0 + torn.x_in_tile + (i & 1), tile.y0 + torn.y_in_tile + (i >> 1), torn.w[i], q.x[i], q.y[i],
-                    q.inverse_z[i]);
-  return q;
+void draw_soft(const Quad& q, const Rgba* c, const Boxes& boxes, int i, StripTarget& target) {
+  for (int y = boxes.y0[i]; y <= boxes.y1[i]; ++y)
+    for (int x = boxes.x0[i]; x <= boxes.x1[i]; ++x) {
+      const size_t pixel = target.pixel(x, y);
+      const float behind = target.opaque[pixel].inverse_z;
+      Hit at;
+      if (boxes.nearest[i] <= behind || !hit(q, x * kSubPx, y * kSubPx, at) || at.inverse_z <= behind) continue;
+      const Rgba colour = mix(c, at.s, at.t);
+      if (alpha_of(colour) == 0) continue;
+      target.soft.push_back({{at.inverse_z, colour}, target.first_soft[pixel]});
+      target.first_soft[pixel] = static_cast<int32_t>(target.soft.size()) - 1;
+    }
 }
 
 void draw_solid(const Mesh& mesh, const MeshTile& tile, const ViewFrustum& frustum, StripTarget& target) {
   const MeshLayer& layer = mesh.layers[static_cast<size_t>(tile.layer)];
-  const int columns = std::min(kTilePx + 1, mesh.width - tile.x0 + (mesh.wraps ? 1 : 0));
+  const int columns = std::min(kTilePx + 1, layer.w.width - tile.x0);
   ScreenRow rows[2];
-  Rgba colours[2][kTilePx + 1];
-  const auto load = [&](int y, int slot) {
-    float w[kTilePx + 1];
-    const size_t begin = layer.w.index(tile.x0, y);
-    const int stored = std::min(columns, mesh.width - tile.x0);
-    std::copy_n(&layer.w.samples[begin], stored, w);
-    std::copy_n(&layer.colour.samples[begin], stored, colours[slot]);
-    if (stored < columns) w[stored] = layer.w.at(0, y), colours[slot][stored] = layer.colour.at(0, y);
-    frustum.project_row(tile.x0, y, columns, w, rows[slot]);
-  };
+  const auto load = [&](int y) { frustum.project_row(tile.x0, y, columns, &layer.w.at(tile.x0, y), rows[y & 1]); };
+  Boxes boxes;
   int loaded = -1;
-  const int y_end = std::min(kTilePx, mesh.height - 1 - tile.y0);
-  for (int j = 0; j < y_end; ++j) {
-    uint32_t bits = tile.solid[j];
-    if (bits == 0) continue;
-    if (loaded != j) load(tile.y0 + j, j & 1);
-    load(tile.y0 + j + 1, (j + 1) & 1);
-    loaded = j + 1;
-    const ScreenRow &upper = rows[j & 1], &lower = rows[(j + 1) & 1];
-    const Rgba *above = colours[j & 1], *below = colours[(j + 1) & 1];
-    for (; bits != 0; bits &= bits - 1) {
+  for (int y = tile.y0; y < std::min(tile.y0 + kTilePx, layer.w.height - 1); ++y) {
+    const uint32_t solid = tile.solid[y - tile.y0];
+    if (solid == 0) continue;
+    if (loaded != y) load(y);
+    load(y + 1);
+    loaded = y + 1;
+    const ScreenRow &a = rows[y & 1], &b = rows[(y + 1) & 1];
+    const Rgba *above = &layer.colour.at(tile.x0, y), *below = &layer.colour.at(tile.x0, y + 1);
+    const CornerRows corners{{a.x, a.x + 1, b.x, b.x + 1},
+                             {a.y, a.y + 1, b.y, b.y + 1},
+                             {a.inverse_z, a.inverse_z + 1, b.inverse_z, b.inverse_z + 1}};
+    for (uint32_t bits = find_boxes(corners, columns - 1, target, boxes) & solid; bits != 0; bits &= bits - 1) {
       const int i = __builtin_ctz(bits);
-      const Quad q{{upper.x[i], upper.x[i + 1], lower.x[i], lower.x[i + 1]},
-                   {upper.y[i], upper.y[i + 1], lower.y[i], lower.y[i + 1]},
-                   {upper.inverse_z[i], upper.inverse_z[i + 1], lower.inverse_z[i], lower.inverse_z[i + 1]}};
+      const Quad q{{a.x[i], a.x[i + 1], b.x[i], b.x[i + 1]},
+                   {a.y[i], a.y[i + 1], b.y[i], b.y[i + 1]},
+                   {a.inverse_z[i], a.inverse_z[i + 1], b.inverse_z[i], b.inverse_z[i + 1]}};
       const Rgba c[4] = {above[i], above[i + 1], below[i], below[i + 1]};
-      draw_opaque(q, c, target);
+      draw_opaque(q, c, boxes, i, target);
+    }
+  }
+}
+
+// Torn quads [begin, end) of a tile, some at a time: corner k of all of them, then corner k + 1.
+template <class Draw>
+void draw_torn(const MeshTile& tile, size_t begin, size_t end, const ViewFrustum& frustum, StripTarget& target,
+               Draw draw_quad) {
+  constexpr int kBatch = kTilePx / 4;
+  int x[4 * kBatch], y[4 * kBatch];
+  float w[4 * kBatch];
+  ScreenRow screen;
+  Boxes boxes;
+  for (; begin < end; begin += kBatch) {
+    const int count = static_cast<int>(std::min<size_t>(kBatch, end - begin));
+    const TornQuad* quads = &tile.torn[begin];
+    for (int k = 0; k < 4; ++k)
+      for (int i = 0; i < kBatch; ++i) {
+        const TornQuad& quad = quads[std::min(i, count - 1)];
+        x[k * kBatch + i] = tile.x0 + quad.x_in_tile + (k & 1);
+        y[k * kBatch + i] = tile.y0 + quad.y_in_tile + (k >> 1);
+        w[k * kBatch + i] = quad.w[k];
+      }
+    frustum.project_scattered(4 * kBatch, x, y, w, screen);
+    CornerRows corners;
+    for (int k = 0; k < 4; ++k) {
+      corners.x[k] = screen.x + k * kBatch;
+      corners.y[k] = screen.y + k * kBatch;
+      corners.inverse_z[k] = screen.inverse_z + k * kBatch;
+    }
+    for (uint32_t bits = find_boxes(corners, count, target, boxes); bits != 0; bits &= bits - 1) {
+      const int i = __builtin_ctz(bits);
+      Quad q;
+      for (int k = 0; k < 4; ++k)
+        q.x[k] = corners.x[k][i], q.y[k] = corners.y[k][i], q.inverse_z[k] = corners.inverse_z[k][i];
+      draw_quad(q, quads[i].colour, boxes, i, target);
     }
   }
 }
 
 }  // namespace
 
-StripTarget::StripTarget(int strip_x0, int strip_width, int strip_height)
-    : x0(strip_x0), width(strip_width), height(strip_height) {
+void StripTarget::clear(int strip_x0, int strip_width, int strip_height) {
+  x0 = strip_x0;
+  width = strip_width;
+  height = strip_height;
   const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
-  opaque.resize(pixels);
-  soft_count.resize(pixels);
-  soft.resize(pixels * kSoftDepth);
+  opaque.assign(pixels, Fragment{});
+  first_soft.assign(pixels, -1);
+  soft.clear();
 }
 
-void draw(const Mesh& mesh, const ViewFrustum& frustum, int layers, StripTarget& target) {
+void draw(const Mesh& mesh, const std::vector<const MeshTile*>& tiles, const ViewFrustum& frustum,
+          StripTarget& target) {
   const Window window = frustum.window(target.x0, target.x0 + target.width);
   std::vector<const MeshTile*> seen;
-  for (const MeshTile& tile : mesh.tiles)
-    if (tile.layer < layers && frustum.sees(tile, window)) seen.push_back(&tile);
+  for (const MeshTile* tile : tiles)
+    if (frustum.sees(*tile, window)) seen.push_back(tile);
   for (const MeshTile* tile : seen) {
     draw_solid(mesh, *tile, frustum, target);
-    for (size_t i = 0; i < tile->opaque_torn; ++i)
-      draw_opaque(place(tile->torn[i], *tile, frustum), tile->torn[i].colour, target);
+    draw_torn(*tile, 0, tile->opaque_torn, frustum, target, draw_opaque);
   }
-  for (const MeshTile* tile : seen)
-    for (size_t i = tile->opaque_torn; i < tile->torn.size(); ++i)
-      draw_soft(place(tile->torn[i], *tile, frustum), tile->torn[i].colour, target);
+  for (const MeshTile* tile : seen) draw_torn(*tile, tile->opaque_torn, tile->torn.size(), frustum, target, draw_soft);
 }
 
 Blended blend(const StripTarget& target, size_t pixel) {
   const Fragment& back = target.opaque[pixel];
-  const int count = target.soft_count[pixel];
-  if (count == 0) return {back.colour, back.inverse_z};
-  const Fragment* list = &target.soft[pixel * kSoftDepth];
+  if (target.first_soft[pixel] < 0) return {back.colour, back.inverse_z};
+  constexpr size_t kMost = 16;  // beyond so many soft surfaces over each other nothing shows through
+  std::array<Fragment, kMost> sorted;
+  size_t count = 0;
+  for (int32_t i = target.first_soft[pixel]; i >= 0 && count < kMost; i = target.soft[static_cast<size_t>(i)].next) {
+    const Fragment& fragment = target.soft[static_cast<size_t>(i)].fragment;
+    size_t at = count++;
+    for (; at > 0 && sorted[at - 1].inverse_z < fragment.inverse_z; --at) sorted[at] = sorted[at - 1];
+    sorted[at] = fragment;
+  }
   float r = 0, g = 0, b = 0, through = 1;
   Blended result;
   const auto add = [&](const Fragment& f) {
@@ -221,7 +244,7 @@ Blended blend(const StripTarget& target, size_t pixel) {
     through -= share;
     if (through <= 0.5F && result.inverse_z == kNothing) result.inverse_z = f.inverse_z;
   };
-  for (int i = 0; i < count; ++i) add(list[i]);
+  for (size_t i = 0; i < count; ++i) add(sorted[i]);
   if (back.inverse_z != kNothing) add(back);
   const float opacity = 1 - through, scale = opacity > 0 ? 1 / opacity : 0;
   const auto byte = [](float value) { return static_cast<uint8_t>(std::min(value + 0.5F, 255.0F)); };

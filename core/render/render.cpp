@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 
@@ -48,10 +49,26 @@ void store(const render::StripTarget& strip, View& view) {
 struct Renderer::Prepared {
   PanoramaGrid grid;
   render::Mesh mesh;
+
+  // Strip buffers of earlier views, to be used again.
+  std::mutex mutex;
+  std::vector<std::unique_ptr<render::StripTarget>> spare;
+
+  std::unique_ptr<render::StripTarget> take_strip() {
+    const std::lock_guard lock(mutex);
+    if (spare.empty()) return std::make_unique<render::StripTarget>();
+    auto strip = std::move(spare.back());
+    spare.pop_back();
+    return strip;
+  }
+  void give_back(std::unique_ptr<render::StripTarget> strip) {
+    const std::lock_guard lock(mutex);
+    spare.push_back(std::move(strip));
+  }
 };
 
 Renderer::Renderer(const LayeredPanorama& panorama)
-    : prepared_(new Prepared{panorama.grid, render::build_mesh(panorama)}) {}
+    : prepared_(new Prepared{panorama.grid, render::build_mesh(panorama), {}, {}}) {}
 
 Renderer::~Renderer() = default;
 
@@ -61,11 +78,17 @@ View Renderer::render(const Camera& camera, const RenderOptions& options, const 
   View view{RgbImage(k.width, k.height), Plane<uint8_t>(k.width, k.height), {}, 0};
   if (options.depth) view.depth = Plane<float>(k.width, k.height);
   const render::ViewFrustum frustum(prepared_->grid, camera);
+  const render::Window window = frustum.window(0, k.width);
+  std::vector<const render::MeshTile*> tiles;
+  for (const render::MeshTile& tile : prepared_->mesh.tiles)
+    if (tile.layer < options.layers && frustum.sees(tile, window)) tiles.push_back(&tile);
   const int strips = (k.width + kStripPx - 1) / kStripPx;
   parallel_for(job, strips, [&](int i) {
-    render::StripTarget strip(i * kStripPx, std::min(kStripPx, k.width - i * kStripPx), k.height);
-    render::draw(prepared_->mesh, frustum, options.layers, strip);
-    store(strip, view);
+    auto strip = prepared_->take_strip();
+    strip->clear(i * kStripPx, std::min(kStripPx, k.width - i * kStripPx), k.height);
+    render::draw(prepared_->mesh, tiles, frustum, *strip);
+    store(*strip, view);
+    prepared_->give_back(std::move(strip));
   });
   return view;
 }

@@ -35,23 +35,27 @@ class ViewFrustum {
   Window window(int column_begin, int column_end) const;
   bool sees(const MeshTile& tile, const Window& window) const;
 
-  // Positions of vertices of row y: `count` from column x on, at most kTilePx + 1.
+  // Positions of `count` vertices of row y from column x on; at most kTilePx + 1.
   void project_row(int x, int y, int count, const float* w, ScreenRow& out) const;
 
-  // The same for one vertex, to the same bits.
-  void project(int x, int y, float w, int32_t& out_x, int32_t& out_y, float& out_inverse_z) const;
+  // The same, to the same bits, for vertices anywhere.
+  void project_scattered(int count, const int* x, const int* y, const float* w, ScreenRow& out) const;
 
  private:
-  struct Ray {
-    float ax, ay, az, bx, by, bz;
+  // Vertices as q = base + w * slope.
+  struct Lanes {
+    float base_x[kTilePx + 1], base_y[kTilePx + 1], base_z[kTilePx + 1];
   };
-  void to_screen(int count, const float* nx, const float* ny, const float* valid, ScreenRow& out) const;
+  void project(int count, const Lanes& base, const float* bx, const float* by, const float* bz, const float* w,
+               ScreenRow& out) const;
+  void distort(int count, float* x, float* y, float* in_front) const;
+  void to_screen(int count, const float* nx, const float* ny, const float* in_front, ScreenRow& out) const;
 
   Intrinsics intrinsics_;
   bool distorted_ = false;
   float max_r2_ = 0;  // beyond this radius the distortion folds back
-  // Columns 0 .. width and some more for reading whole rows; column width is column 0 again when the panorama wraps.
-  std::vector<float> ax_, ay_, az_, bx_, by_, bz_, v_;
+  // Columns 0 .. width; column width is column 0 again when the panorama wraps.
+  std::vector<float> ax_, ay_, az_, bx_, by_, bz_, b_length_, v_;
   float nx_ = 0, ny_ = 0, nz_ = 0;
   float bulge_ = 0;  // how far an arc of a tile's width rises over its chord, in radii
 };
