@@ -13,7 +13,7 @@
 namespace ldp {
 namespace {
 
-constexpr int kStripPx = 128;  // a strip's buffers stay in the second-level cache
+constexpr int kStripPx = 200;  // few tiles cross strips, and a strip's buffers still fit a cache
 constexpr int kMaxViewSide = 1 << 14;
 
 void check(const Camera& camera) {
