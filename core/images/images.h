@@ -58,6 +58,7 @@ struct JpegSegment {
 std::vector<uint8_t> encode_jpeg(const RgbImage& image, int quality);  // 4:2:0 below quality 90, 4:4:4 from 90
 std::vector<uint8_t> encode_jpeg(const RgbImage& image, int quality, std::span<const JpegSegment> segments);
 std::vector<uint8_t> encode_png(const RgbImage& image);
+std::vector<uint8_t> encode_png(const RgbImage& image, const std::string& xmp);  // with a packet of metadata
 std::vector<uint8_t> encode_png(const RgbImage& image, const Plane<uint8_t>& alpha);
 std::vector<uint8_t> encode_png(const Plane<uint8_t>& grey);
 std::vector<uint8_t> encode_png(const Plane<uint16_t>& grey);

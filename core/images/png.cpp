@@ -1,6 +1,7 @@
 #include <csetjmp>
 #include <cstring>
 #include <stdexcept>
+#include <string>
 
 #include <png.h>
 #include "formats.h"
@@ -146,6 +147,7 @@ struct Encoder {
   std::vector<png_bytep> rows;
   std::vector<uint8_t> out;
   bool out_of_memory = false;
+  std::string xmp;  // empty = none
 
   Encoder(int w, int h, int b, int type) : width(w), height(h), bits(b), colour_type(type) {
     png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &session, on_error, on_warning);
@@ -171,6 +173,15 @@ void compress(Encoder& e) {
   png_set_write_fn(e.png, &e, give, nullptr);
   png_set_IHDR(e.png, e.info, static_cast<png_uint_32>(e.width), static_cast<png_uint_32>(e.height), e.bits,
                e.colour_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  if (!e.xmp.empty()) {
+    char key[] = "XML:com.adobe.xmp";
+    png_text text = {};
+    text.compression = PNG_ITXT_COMPRESSION_NONE;
+    text.key = key;
+    text.text = e.xmp.data();
+    text.itxt_length = e.xmp.size();
+    png_set_text(e.png, e.info, &text, 1);
+  }
   png_write_info(e.png, e.info);
   png_write_image(e.png, e.rows.data());
   png_write_end(e.png, nullptr);
@@ -213,10 +224,13 @@ ScaledImage decode_png(std::span<const uint8_t> bytes, const std::string& name, 
   return {std::move(d.image), full_size, 1.0 / d.shrink};
 }
 
-std::vector<uint8_t> encode_png(const RgbImage& image) {
+std::vector<uint8_t> encode_png(const RgbImage& image, const std::string& xmp) {
   Encoder e(image.width, image.height, 8, PNG_COLOR_TYPE_RGB);
+  e.xmp = xmp;
   return encode(e, reinterpret_cast<const uint8_t*>(image.samples.data()), static_cast<size_t>(image.width) * 3);
 }
+
+std::vector<uint8_t> encode_png(const RgbImage& image) { return encode_png(image, std::string()); }
 
 std::vector<uint8_t> encode_png(const RgbImage& image, const Plane<uint8_t>& alpha) {
   if (alpha.width != image.width || alpha.height != image.height)

@@ -1,0 +1,35 @@
+// A layered depth panorama in forms that other programs open.
+//
+//   .jpg .png   flat equirectangular panorama of the front layer, with GPano (XMP) so that panorama viewers know which
+//               part of the sphere it is; .jpg also with EXIF
+//   .glb        the layers as textured meshes that tear at depth edges (glTF 2.0, unlit); y is up, the arc's centre is
+//               the origin
+//   .html       a viewer with parallax in one file that needs no network
+//   .json       transforms.json of the source cameras
+//
+// A pushbroom panorama flattened is what it is: every column seen from its own place of the arc.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "panorama.h"
+
+namespace ldp {
+
+struct ExportOptions {
+  int quality = 90;  // of JPEG images, 1 .. 100
+};
+
+std::vector<uint8_t> export_jpeg(const LayeredPanorama& panorama, const ExportOptions& options);
+std::vector<uint8_t> export_png(const LayeredPanorama& panorama);
+std::vector<uint8_t> export_glb(const LayeredPanorama& panorama, const ExportOptions& options);
+std::string export_html(const LayeredPanorama& panorama, const ExportOptions& options);
+
+// By the file's extension, in capitals or not; std::runtime_error that lists the known ones for any other.
+std::vector<uint8_t> export_as(const std::filesystem::path& file, const LayeredPanorama& panorama,
+                               const ExportOptions& options = {});
+
+}  // namespace ldp

@@ -1,0 +1,155 @@
+#include "export.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <stdexcept>
+
+#include "flat.h"
+#include "images.h"
+#include "surface.h"
+#include "synthetic_panorama.h"
+#include "transforms.h"
+
+namespace ldp {
+namespace {
+
+using ::testing::HasSubstr;
+
+LayeredPanorama plane_panorama(int width, int height, uint16_t disparity) {
+  LayeredPanorama panorama = synthetic_panorama({width, height, 0, 1});
+  DisparityMap map(width, height, disparity);
+  panorama.layers[0].depth = encode_depth(map, 0);
+  return panorama;
+}
+
+uint32_t u32(const std::vector<uint8_t>& bytes, size_t at) {
+  return uint32_t{bytes[at]} | uint32_t{bytes[at + 1]} << 8 | uint32_t{bytes[at + 2]} << 16 |
+         uint32_t{bytes[at + 3]} << 24;
+}
+
+TEST(ExportFlat, RowsLieAtTheirElevation) {
+  LayeredPanorama panorama = plane_panorama(64, 300, 0);
+  panorama.grid.theta_pitch = panorama.grid.v_pitch = 1.0 / 150;
+  panorama.grid.v_top = 1;
+  for (int y = 0; y < 300; ++y)
+    for (int x = 0; x < 64; ++x) panorama.layers[0].colour.at(x, y) = {static_cast<uint8_t>(y * 250 / 299), 0, 0};
+  const FlatPanorama flat = flatten(panorama);
+  EXPECT_EQ(flat.image.height, std::lround(std::numbers::pi / 2 * 150)) << "45 degrees up to 45 degrees down";
+  for (int y = 5; y < flat.image.height - 5; y += 10) {
+    const double elevation = std::numbers::pi / 4 - (y + 0.5) / 150;
+    const double row = (1 - std::tan(elevation)) * 150 - 0.5;
+    EXPECT_NEAR(flat.image.at(3, y).r, row * 250 / 299, 1.6);
+  }
+  EXPECT_EQ(flat.full_width, 942);
+  EXPECT_EQ(flat.full_height, 471);
+  EXPECT_EQ(flat.top, std::lround(std::numbers::pi / 4 * 150));
+}
+
+TEST(ExportFlat, JpegAndPngCarryGpanoThatFitsTheImage) {
+  for (const bool wraps : {false, true}) {
+    LayeredPanorama panorama = synthetic_panorama({400, 90, 0, 2, false, Rays::pushbroom, wraps});
+    panorama.metadata["software"] = "a <\"&\"> b";
+    const FlatPanorama flat = flatten(panorama);
+    EXPECT_LE(flat.left + flat.image.width, flat.full_width);
+    EXPECT_LE(flat.top + flat.image.height, flat.full_height);
+    EXPECT_EQ(flat.image.width == flat.full_width, wraps);
+    for (const char* name : {"a.jpg", "a.PNG"}) {
+      const std::vector<uint8_t> file = export_as(name, panorama);
+      const std::string text(file.begin(), file.end());
+      EXPECT_THAT(text, HasSubstr("GPano:CroppedAreaImageWidthPixels=\"" + std::to_string(flat.image.width) + "\""));
+      EXPECT_THAT(text, HasSubstr("GPano:FullPanoWidthPixels=\"" + std::to_string(flat.full_width) + "\""));
+      EXPECT_THAT(text, HasSubstr("a &lt;&quot;&amp;&quot;> b"));
+      EXPECT_EQ(image_size(file, name), (ImageSize{flat.image.width, flat.image.height}));
+    }
+  }
+}
+
+TEST(ExportFlat, ExifHoldsTimeAndDevice) {
+  const std::vector<uint8_t> file = export_as("a.jpg", synthetic_panorama({}));
+  const std::string text(file.begin(), file.end());
+  EXPECT_THAT(text, HasSubstr("2026:01:02 03:04:05"));
+  EXPECT_THAT(text, HasSubstr("synthetic"));
+}
+
+TEST(ExportSurface, APlainWallTakesFewTriangles) {
+  const LayeredPanorama panorama = plane_panorama(129, 65, 255 * 7);
+  const Surface surface = make_surface(panorama, 0, {0, 129, 1});
+  EXPECT_EQ(surface.triangles.size() / 3, 2u * 4 * 2);
+}
+
+// The cells of a layer without tears cover its grid exactly once; with tears, more than none of it twice as much.
+TEST(ExportSurface, CoversEveryPlaceOfADenseLayer) {
+  for (const int step : {1, 2, 4}) {
+    const LayeredPanorama panorama = synthetic_panorama({151, 77, 8, 1});
+    const Surface surface = make_surface(panorama, 0, {0, 151, step});
+    double area = 0;
+    for (size_t i = 0; i < surface.triangles.size(); i += 3) {
+      const SurfaceVertex& a = surface.vertices[surface.triangles[i]];
+      const SurfaceVertex& b = surface.vertices[surface.triangles[i + 1]];
+      const SurfaceVertex& c = surface.vertices[surface.triangles[i + 2]];
+      const double twice =
+          double{b.x_px - a.x_px} * double{c.y_px - a.y_px} - double{c.x_px - a.x_px} * double{b.y_px - a.y_px};
+      EXPECT_LE(twice, 0) << "every triangle turns the same way";
+      area -= twice / 2;
+    }
+    EXPECT_GE(area, 150 * 76 * 0.999);
+    EXPECT_LT(area, 150 * 76 * 1.2);
+  }
+}
+
+TEST(ExportSurface, TearsBetweenNearAndFar) {
+  LayeredPanorama panorama = plane_panorama(40, 40, 0);
+  DisparityMap map(40, 40, 0);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 20; x < 40; ++x) map.at(x, y) = 255 * 12;
+  panorama.layers[0].depth = encode_depth(map, 0);
+  const Surface surface = make_surface(panorama, 0, {0, 40, 1});
+  for (size_t i = 0; i < surface.triangles.size(); i += 3)
+    for (size_t k = 1; k < 3; ++k)
+      EXPECT_EQ(surface.vertices[surface.triangles[i]].disparity, surface.vertices[surface.triangles[i + k]].disparity);
+}
+
+TEST(ExportGlb, IsAWellFormedContainer) {
+  const std::vector<uint8_t> file = export_as("a.glb", synthetic_panorama({300, 90, 8, 3, true, Rays::central, true}));
+  EXPECT_EQ(std::memcmp(file.data(), "glTF", 4), 0);
+  EXPECT_EQ(u32(file, 4), 2u);
+  EXPECT_EQ(u32(file, 8), file.size());
+  const size_t json_bytes = u32(file, 12);
+  EXPECT_EQ(json_bytes % 4, 0u);
+  EXPECT_EQ(20 + json_bytes + 8 + u32(file, 20 + json_bytes), file.size());
+  const std::string json(file.begin() + 20, file.begin() + 20 + static_cast<std::ptrdiff_t>(json_bytes));
+  EXPECT_THAT(json, HasSubstr("KHR_materials_unlit"));
+  EXPECT_THAT(json, HasSubstr("layer 3"));
+}
+
+TEST(ExportHtml, NeedsNoNetwork) {
+  const std::string page = export_html(synthetic_panorama({}), {});
+  EXPECT_EQ(page.find("http:"), std::string::npos);
+  EXPECT_EQ(page.find("https:"), std::string::npos);
+  EXPECT_EQ(page.find("@PANORAMA@"), std::string::npos);
+  EXPECT_THAT(page, HasSubstr("data:image/png;base64,"));
+  EXPECT_THAT(page, ::testing::EndsWith("</html>\n"));
+}
+
+TEST(ExportJson, GivesTheCamerasBack) {
+  const LayeredPanorama panorama = synthetic_panorama({});
+  const std::vector<uint8_t> file = export_as("cameras.json", panorama);
+  EXPECT_EQ(parse_transforms({reinterpret_cast<const char*>(file.data()), file.size()}, "a").size(),
+            panorama.cameras.size());
+}
+
+TEST(Export, AnUnknownExtensionIsRefusedWithTheKnownOnes) {
+  try {
+    export_as("a.obj", synthetic_panorama({}));
+    FAIL();
+  } catch (const std::runtime_error& e) {
+    EXPECT_STREQ(e.what(), "a.obj: cannot export to '.obj': .jpg, .png, .glb, .html or .json");
+  }
+}
+
+}  // namespace
+}  // namespace ldp
