@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "fill.h"
 #include "mesh.h"
 #include "raster.h"
 #include "view_frustum.h"
@@ -26,12 +27,18 @@ void check(const Camera& camera) {
     throw std::runtime_error("render: view \"" + camera.name + "\" needs positive focal lengths fl_x, fl_y");
 }
 
-float depth_of(float inverse_z) {
-  if (inverse_z == render::kNothing) return 0;
-  return inverse_z > 0 ? 1 / inverse_z : std::numeric_limits<float>::infinity();
+Plane<float> depth_of(Plane<float> inverse_z) {
+  for (float& z : inverse_z.samples) {
+    if (z == render::kNothing)
+      z = 0;
+    else
+      z = z > 0 ? 1 / z : std::numeric_limits<float>::infinity();
+  }
+  return inverse_z;
 }
 
-void store(const render::StripTarget& strip, View& view) {
+// inverse_z may be empty.
+void store(const render::StripTarget& strip, View& view, Plane<float>& inverse_z) {
   for (int y = 0; y < strip.height; ++y)
     for (int x = 0; x < strip.width; ++x) {
       const auto pixel = static_cast<size_t>(y) * static_cast<size_t>(strip.width) + static_cast<size_t>(x);
@@ -40,7 +47,7 @@ void store(const render::StripTarget& strip, View& view) {
       view.colour.samples[out] = {static_cast<uint8_t>(blended.colour), static_cast<uint8_t>(blended.colour >> 8),
                                   static_cast<uint8_t>(blended.colour >> 16)};
       view.alpha.samples[out] = static_cast<uint8_t>(render::alpha_of(blended.colour));
-      if (!view.depth.empty()) view.depth.samples[out] = depth_of(blended.inverse_z);
+      if (!inverse_z.empty()) inverse_z.samples[out] = blended.inverse_z;
     }
 }
 
@@ -76,7 +83,8 @@ View Renderer::render(const Camera& camera, const RenderOptions& options, const 
   check(camera);
   const Intrinsics& k = camera.intrinsics;
   View view{RgbImage(k.width, k.height), Plane<uint8_t>(k.width, k.height), {}, 0};
-  if (options.depth) view.depth = Plane<float>(k.width, k.height);
+  Plane<float> inverse_z;
+  if (options.depth || options.fill != Fill::none) inverse_z = Plane<float>(k.width, k.height);
   const render::ViewFrustum frustum(prepared_->grid, camera);
   const render::Window window = frustum.window(0, k.width);
   std::vector<const render::MeshTile*> tiles;
@@ -87,9 +95,12 @@ View Renderer::render(const Camera& camera, const RenderOptions& options, const 
     auto strip = prepared_->take_strip();
     strip->clear(i * kStripPx, std::min(kStripPx, k.width - i * kStripPx), k.height);
     render::draw(prepared_->mesh, tiles, frustum, *strip);
-    store(*strip, view);
+    store(*strip, view, inverse_z);
     prepared_->give_back(std::move(strip));
   });
+  if (options.fill == Fill::background)
+    view.invented_share = render::fill_background(inverse_z, view.colour, view.alpha);
+  if (options.depth) view.depth = depth_of(std::move(inverse_z));
   return view;
 }
 

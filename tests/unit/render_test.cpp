@@ -211,6 +211,37 @@ TEST(Render, leaves_a_hole_where_no_layer_is) {
     ASSERT_TRUE(view.alpha.samples[i] != 0 || view.depth.samples[i] == 0);
 }
 
+TEST(Render, fills_holes_with_the_background_and_says_how_much_it_invented) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
+  const LayeredPanorama panorama = square_before_background(grid);
+  const Camera camera = make_camera(grid, 0, {0.4, 0.3, 0});
+  RenderOptions options = with_depth();
+  const View truth = Renderer(panorama).render(camera, options);
+  options.layers = 1;
+  const View open = Renderer(panorama).render(camera, options);
+  options.fill = Fill::background;
+  const View view = Renderer(panorama).render(camera, options);
+  EXPECT_EQ(std::count(view.alpha.samples.begin(), view.alpha.samples.end(), 255), 120 * 90);
+  const auto below_half =
+      std::count_if(open.alpha.samples.begin(), open.alpha.samples.end(), [](uint8_t a) { return a < 128; });
+  EXPECT_DOUBLE_EQ(view.invented_share, static_cast<double>(below_half) / (120 * 90));
+  EXPECT_GT(view.invented_share, 0.03);
+  for (size_t i = 0; i < view.colour.samples.size(); ++i) {
+    ASSERT_NEAR(view.colour.samples[i].r, truth.colour.samples[i].r, 12) << "the white square bleeds into its hole";
+    ASSERT_EQ(view.depth.samples[i], open.depth.samples[i]) << "an invented pixel has no depth";
+  }
+}
+
+TEST(Render, fills_a_view_of_nothing_with_grey) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
+  RenderOptions options;
+  options.fill = Fill::background;
+  const View view =
+      Renderer(one_layer(grid, [](double, double) { return 0.5; })).render(make_camera(grid, kPi, {0, 0, 0}), options);
+  EXPECT_EQ(view.invented_share, 1);
+  EXPECT_EQ(view.colour.at(3, 3), (Rgb{127, 127, 127}));
+}
+
 TEST(Render, softens_silhouettes) {
   const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
   const LayeredPanorama panorama = square_before_background(grid);
