@@ -140,9 +140,9 @@ struct Prediction {
 
 class Follower {
  public:
-  Follower(const std::vector<Picture>& pictures, const Bundle& bundle, const FollowOptions& options)
+  Follower(const std::vector<GreyPhoto>& pictures, const Bundle& bundle, const FollowOptions& options)
       : pictures_(pictures), bundle_(bundle), options_(options) {
-    for (const Picture& picture : pictures) levels_.push_back({halved(picture.grey), &picture.grey});
+    for (const GreyPhoto& picture : pictures) levels_.push_back({halved(picture.grey), &picture.grey});
   }
 
   Track follow(const Track& track, const InversePoint& point) const {
@@ -220,7 +220,7 @@ class Follower {
     return Prediction{there[0], warp};
   }
 
-  const std::vector<Picture>& pictures_;
+  const std::vector<GreyPhoto>& pictures_;
   const Bundle& bundle_;
   FollowOptions options_;
   std::vector<Levels> levels_;
@@ -228,7 +228,7 @@ class Follower {
 
 }  // namespace
 
-std::vector<Track> follow_points(const std::vector<Picture>& pictures, const std::vector<Track>& tracks,
+std::vector<Track> follow_points(const std::vector<GreyPhoto>& pictures, const std::vector<Track>& tracks,
                                  const Bundle& bundle, const FollowOptions& options, const Job& job) {
   const Follower follower(pictures, bundle, options);
   std::vector<Track> followed(tracks.size());

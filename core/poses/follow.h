@@ -23,7 +23,7 @@ struct FollowOptions {
 
 // Every track (its point is bundle.points[i]) with all frames in which it was found, its anchor included; one frame
 // means that it was not found again.
-std::vector<Track> follow_points(const std::vector<Picture>& pictures, const std::vector<Track>& tracks,
+std::vector<Track> follow_points(const std::vector<GreyPhoto>& pictures, const std::vector<Track>& tracks,
                                  const Bundle& bundle, const FollowOptions& options, const Job& job);
 
 }  // namespace ldp

@@ -33,7 +33,7 @@ struct Pair {
 
 class Incremental {
  public:
-  Incremental(const Sweep& sweep, const std::vector<Track>& tracks, double focal, const Job& job)
+  Incremental(const MatchedSweep& sweep, const std::vector<Track>& tracks, double focal, const Job& job)
       : sweep_(sweep), tracks_(tracks), job_(job), camera_(cv::Matx33d(focal, 0, 0, 0, focal, 0, 0, 0, 1)) {
     start_.bundle.lens.focal_px = focal;
     start_.bundle.cameras.resize(static_cast<size_t>(sweep.frames()));
@@ -192,7 +192,7 @@ class Incremental {
     return triangulate_point_robustly(sightings, sweep_.pixels(kTolerance) / start_.bundle.lens.focal_px, used);
   }
 
-  const Sweep& sweep_;
+  const MatchedSweep& sweep_;
   const std::vector<Track>& tracks_;
   const Job& job_;
   cv::Matx33d camera_;
@@ -206,7 +206,7 @@ struct Outcome {
 
 }  // namespace
 
-std::optional<GeneralStart> general_start(const Sweep& sweep, const std::vector<Track>& tracks,
+std::optional<GeneralStart> general_start(const MatchedSweep& sweep, const std::vector<Track>& tracks,
                                           const std::optional<FocalPrior>& prior, const Job& job) {
   const double longer = std::max(sweep.features[0].width, sweep.features[0].height);
   std::vector<double> focals{0.55 * longer, 0.75 * longer, 1.0 * longer, 1.4 * longer};

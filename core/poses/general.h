@@ -17,7 +17,7 @@ struct GeneralStart {
 };
 
 // The best over several focal lengths (around the prior's if there is one); none when no two frames make a beginning.
-std::optional<GeneralStart> general_start(const Sweep& sweep, const std::vector<Track>& tracks,
+std::optional<GeneralStart> general_start(const MatchedSweep& sweep, const std::vector<Track>& tracks,
                                           const std::optional<FocalPrior>& prior, const Job& job);
 
 }  // namespace ldp

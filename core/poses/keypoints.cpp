@@ -66,17 +66,17 @@ void root_descriptor(const float* sift, int16_t* out) {
 
 }  // namespace
 
-Picture make_picture(const RgbImage& image, int most_px) {
+GreyPhoto make_grey_photo(const RgbImage& image, int most_px) {
   cv::Mat grey;
   cv::cvtColor(view(image, CV_8UC3), grey, cv::COLOR_RGB2GRAY);
   grey = scaled(grey, static_cast<double>(most_px) / std::max(image.width, image.height));
-  Picture picture{GreyImage(grey.cols, grey.rows), static_cast<double>(grey.cols) / image.width, image.width,
-                  image.height};
+  GreyPhoto picture{GreyImage(grey.cols, grey.rows), static_cast<double>(grey.cols) / image.width, image.width,
+                    image.height};
   grey.copyTo(view(picture.grey, CV_8UC1));
   return picture;
 }
 
-Features detect_features(const Picture& image, const FeatureOptions& options) {
+Features detect_features(const GreyPhoto& image, const FeatureOptions& options) {
   Features features;
   features.width = image.width;
   features.height = image.height;

@@ -36,14 +36,14 @@ struct FeatureOptions {
 };
 
 // The photograph in grey, scaled down if its longer side has more than `most_px` pixels. This is what is kept of it.
-struct Picture {
+struct GreyPhoto {
   GreyImage grey;
   double scale = 1;           // pixels of `grey` per pixel of the photograph
   int width = 0, height = 0;  // of the photograph
 };
 
-Picture make_picture(const RgbImage& image, int most_px);
+GreyPhoto make_grey_photo(const RgbImage& image, int most_px);
 
-Features detect_features(const Picture& picture, const FeatureOptions& options);
+Features detect_features(const GreyPhoto& picture, const FeatureOptions& options);
 
 }  // namespace ldp

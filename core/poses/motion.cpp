@@ -79,7 +79,7 @@ Seam widest_gap(std::vector<double> azimuths) {
 }
 
 // Closed: all round, and points are seen from both sides of the widest gap.
-bool closes(const Sweep& sweep, const Reconstruction& r) {
+bool closes(const MatchedSweep& sweep, const Reconstruction& r) {
   const std::vector<Pose> cameras = posed_cameras(r);
   const Eigen::Vector3d up = mean_up(cameras), e1 = up.unitOrthogonal(), e2 = up.cross(e1);
   std::vector<double> azimuths;
@@ -102,7 +102,7 @@ bool closes(const Sweep& sweep, const Reconstruction& r) {
 
 }  // namespace
 
-bool only_turns(const Sweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job) {
+bool only_turns(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job) {
   Bundle turning = bundle;
   place_all(longest_tracks(tracks, sweep.frames(), kJudges), turning);
   for (InversePoint& point : turning.points) point.inverse_distance = 0;
@@ -116,7 +116,7 @@ bool only_turns(const Sweep& sweep, const std::vector<Track>& tracks, Bundle& bu
   return true;
 }
 
-void describe_motion(const Sweep& sweep, Reconstruction& reconstruction) {
+void describe_motion(const MatchedSweep& sweep, Reconstruction& reconstruction) {
   reconstruction.motion = bends(posed_cameras(reconstruction)) ? Motion::arc : Motion::straight;
   reconstruction.closed = closes(sweep, reconstruction);
 }

@@ -8,9 +8,9 @@ namespace ldp {
 
 // Does a camera that only turns explain what is seen? Asked of the longest tracks, with cameras and lens adjusted for
 // that model; `bundle` is then that solution, all points at infinity and all centres on the sphere, else as it was.
-bool only_turns(const Sweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job);
+bool only_turns(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job);
 
 // Arc or straight, and closed.
-void describe_motion(const Sweep& sweep, Reconstruction& reconstruction);
+void describe_motion(const MatchedSweep& sweep, Reconstruction& reconstruction);
 
 }  // namespace ldp

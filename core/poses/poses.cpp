@@ -21,12 +21,12 @@ constexpr double kFarthest = 1e4;  // points are put no farther than this many r
 struct Frame {
   std::string name;
   std::optional<double> focal_hint;
-  Picture picture;
+  GreyPhoto picture;
   Features features;
 };
 
 Frame make_frame(const std::string& name, const RgbImage& image, std::optional<double> focal_hint) {
-  Frame frame{name, focal_hint, make_picture(image, kPicture_px), {}};
+  Frame frame{name, focal_hint, make_grey_photo(image, kPicture_px), {}};
   frame.features = detect_features(frame.picture, FeatureOptions{});
   return frame;
 }
@@ -113,7 +113,7 @@ std::pair<int, int> common_size(const std::vector<Frame>& frames) {
 
 // Frames of the common size as a sweep, and which frame each of the sweep is.
 struct Chosen {
-  Sweep sweep;
+  MatchedSweep sweep;
   std::vector<int> frame;
 };
 

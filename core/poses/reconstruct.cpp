@@ -23,7 +23,7 @@ constexpr double kEnough = 0.85;           // share of the observations that mus
 constexpr double kLossOfTolerance = 0.3;
 
 // Frames that hang together by matches, the largest such group; the others are dropped with a reason.
-std::vector<std::string> loose_frames(const Sweep& sweep) {
+std::vector<std::string> loose_frames(const MatchedSweep& sweep) {
   std::vector<int> group(static_cast<size_t>(sweep.frames()));
   std::iota(group.begin(), group.end(), 0);
   std::vector<int> partners(group.size(), 0);
@@ -51,7 +51,7 @@ int posed(const std::vector<std::string>& dropped) {
   return static_cast<int>(std::count(dropped.begin(), dropped.end(), std::string()));
 }
 
-void require(const Sweep& sweep, const std::vector<std::string>& dropped) {
+void require(const MatchedSweep& sweep, const std::vector<std::string>& dropped) {
   if (posed(dropped) >= kLeastPosed) return;
   throw Impossible(
       "only " + std::to_string(posed(dropped)) + " of " + std::to_string(sweep.frames()) +
@@ -70,7 +70,7 @@ std::vector<Track> connected(const std::vector<Track>& tracks, const std::vector
 
 class Rounds {
  public:
-  Rounds(const Sweep& sweep, const std::optional<FocalPrior>& focal, const Job& job) : sweep_(sweep), job_(job) {
+  Rounds(const MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job) : sweep_(sweep), job_(job) {
     options_.focal_prior = focal;
   }
 
@@ -90,7 +90,7 @@ class Rounds {
   }
 
  private:
-  const Sweep& sweep_;
+  const MatchedSweep& sweep_;
   const Job& job_;
   BundleOptions options_;
 };
@@ -112,8 +112,9 @@ size_t observations(const std::vector<Track>& tracks) {
 }
 
 // Where spherical motion leaves too much unexplained, general motion gets its chance; the one that explains more stays.
-void try_general_motion(const Sweep& sweep, const std::vector<Track>& tracks, const std::optional<FocalPrior>& focal,
-                        Rounds& rounds, const Job& job, Reconstruction& result) {
+void try_general_motion(const MatchedSweep& sweep, const std::vector<Track>& tracks,
+                        const std::optional<FocalPrior>& focal, Rounds& rounds, const Job& job,
+                        Reconstruction& result) {
   Reconstruction spherical = result;
   spherical.tracks = place_good(tracks, sweep.pixels(kMatched[2]), false, spherical.bundle, job);
   if (static_cast<double>(observations(spherical.tracks)) > kEnough * static_cast<double>(observations(tracks))) return;
@@ -134,7 +135,7 @@ void try_general_motion(const Sweep& sweep, const std::vector<Track>& tracks, co
 
 }  // namespace
 
-Reconstruction reconstruct(const Sweep& sweep, const std::optional<FocalPrior>& focal, const Job& job) {
+Reconstruction reconstruct(const MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job) {
   Reconstruction result;
   result.dropped = loose_frames(sweep);
   require(sweep, result.dropped);

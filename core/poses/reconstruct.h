@@ -21,6 +21,6 @@ struct Reconstruction {
 };
 
 // Throws Impossible when fewer than 3 frames hang together.
-Reconstruction reconstruct(const Sweep& sweep, const std::optional<FocalPrior>& focal, const Job& job);
+Reconstruction reconstruct(const MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job);
 
 }  // namespace ldp

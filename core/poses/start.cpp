@@ -22,7 +22,7 @@ constexpr double kNearest = 5, kBeyond = -0.1;  // inverse distances that are be
 constexpr size_t kFreed = 3;                    // starts that are adjusted with free centres
 constexpr double kSame = 0.02;                  // starts whose focal lengths differ by less are one
 
-std::vector<RayPair> ray_pairs(const Sweep& sweep, const PairMatches& pair, double focal) {
+std::vector<RayPair> ray_pairs(const MatchedSweep& sweep, const PairMatches& pair, double focal) {
   std::vector<RayPair> rays;
   const size_t step = std::max<size_t>(1, pair.matches.size() / kRaysPerPair);
   for (size_t i = 0; i < pair.matches.size(); i += step) {
@@ -33,7 +33,7 @@ std::vector<RayPair> ray_pairs(const Sweep& sweep, const PairMatches& pair, doub
   return rays;
 }
 
-std::vector<RotationEdge> rotation_edges(const Sweep& sweep, double focal) {
+std::vector<RotationEdge> rotation_edges(const MatchedSweep& sweep, double focal) {
   std::vector<RotationEdge> edges;
   for (const PairMatches& pair : sweep.pairs) {
     const RelativeRotation r = spherical_rotation(ray_pairs(sweep, pair, focal), sweep.pixels(kSpherical) / focal);
@@ -42,7 +42,7 @@ std::vector<RotationEdge> rotation_edges(const Sweep& sweep, double focal) {
   return edges;
 }
 
-std::vector<double> focal_hypotheses(const Sweep& sweep, const std::optional<FocalPrior>& prior) {
+std::vector<double> focal_hypotheses(const MatchedSweep& sweep, const std::optional<FocalPrior>& prior) {
   std::vector<double> focals;
   if (prior) {
     for (const double factor : {0.8, 0.9, 1.0, 1.1, 1.25}) focals.push_back(factor * prior->focal_px);
@@ -56,7 +56,7 @@ std::vector<double> focal_hypotheses(const Sweep& sweep, const std::optional<Foc
   return focals;
 }
 
-FocalPrior anybodys_lens(const Sweep& sweep) {
+FocalPrior anybodys_lens(const MatchedSweep& sweep) {
   return {0.9 * std::max(sweep.features[0].width, sweep.features[0].height), 0.5};
 }
 
@@ -111,7 +111,9 @@ std::vector<Sighting> sightings(const Track& track, const Bundle& bundle, bool a
 
 }  // namespace
 
-double Sweep::pixels(double of_800) const { return of_800 * std::max(features[0].width, features[0].height) / 800; }
+double MatchedSweep::pixels(double of_800) const {
+  return of_800 * std::max(features[0].width, features[0].height) / 800;
+}
 
 std::vector<Track> longest_tracks(std::vector<Track> tracks, int frames, int per_frame) {
   std::stable_sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.size() > b.size(); });
@@ -175,8 +177,8 @@ std::vector<Track> place_good(const std::vector<Track>& tracks, double tolerance
   return kept;
 }
 
-std::vector<Bundle> starts(const Sweep& sweep, const std::vector<Track>& tracks, const std::optional<FocalPrior>& prior,
-                           const Job& job) {
+std::vector<Bundle> starts(const MatchedSweep& sweep, const std::vector<Track>& tracks,
+                           const std::optional<FocalPrior>& prior, const Job& job) {
   const std::vector<Track> coarse = longest_tracks(tracks, sweep.frames(), kCoarsePerFrame);
   const std::vector<double> focals = focal_hypotheses(sweep, prior);
   std::vector<Start> candidates(focals.size());

@@ -12,8 +12,8 @@
 namespace ldp {
 
 // What is known of a sweep before any camera is.
-struct Sweep {
-  std::vector<Picture> pictures;  // all of one size
+struct MatchedSweep {
+  std::vector<GreyPhoto> pictures;  // all of one size
   std::vector<Features> features;
   std::vector<PairMatches> pairs;  // verified
 
@@ -24,8 +24,8 @@ struct Sweep {
 
 // Starts from several focal lengths (around the prior's, or over all that cameras have), best first; each adjusted with
 // free centres on a few tracks. Gives at least one.
-std::vector<Bundle> starts(const Sweep& sweep, const std::vector<Track>& tracks, const std::optional<FocalPrior>& prior,
-                           const Job& job);
+std::vector<Bundle> starts(const MatchedSweep& sweep, const std::vector<Track>& tracks,
+                           const std::optional<FocalPrior>& prior, const Job& job);
 
 // Every track becomes a point of the bundle, well or badly (at an arm's length or five where it cannot be
 // triangulated).

@@ -43,7 +43,7 @@ std::vector<KnownFrame> matched_by_name(const FrameSource& frames, const std::ve
 void find_features(const FrameSource& frames, std::vector<KnownFrame>& known, const Job& job) {
   parallel_for(job, static_cast<int>(known.size()), [&](int i) {
     KnownFrame& k = known[static_cast<size_t>(i)];
-    k.features = detect_features(make_picture(frames.load(k.frame), kPicture_px), FeatureOptions{});
+    k.features = detect_features(make_grey_photo(frames.load(k.frame), kPicture_px), FeatureOptions{});
     for (const Eigen::Vector2d& p : k.features.positions) k.rays.push_back(unproject(k.camera.intrinsics, p).head<2>());
   });
 }
