@@ -8,6 +8,13 @@ namespace {
 
 size_t at(int p) { return static_cast<size_t>(p); }
 
+// Blocks and their 8 neighbours; bit 8 x + y.
+uint64_t dilated(uint64_t blocks) {
+  constexpr uint64_t kNotTop = 0xFEFEFEFEFEFEFEFE, kNotBottom = 0x7F7F7F7F7F7F7F7F;
+  const uint64_t columns = blocks | ((blocks << 1) & kNotTop) | ((blocks >> 1) & kNotBottom);
+  return columns | columns << 8 | columns >> 8;
+}
+
 }  // namespace
 
 void Expansion::start(LabelGrid& grid, const Smoothness& smoothness) {
@@ -18,6 +25,10 @@ void Expansion::start(LabelGrid& grid, const Smoothness& smoothness) {
   negative_.resize(at(grid.size()));
   nodes_.assign(at(grid.size()), Node{});
   move_ = 0;
+  dirty_.fill(~uint64_t{0});
+  block_width_ = (grid.width + 7) / 8;
+  block_height_ = (grid.height + 7) / 8;
+  for (const int direction : {kUp, kDown, kLeft, kRight}) offset_[direction] = grid.stride(direction);
   for (int p = 0; p < grid.size(); ++p) compute_gains(p);
 }
 
@@ -60,6 +71,8 @@ Expansion::Node& Expansion::touch(int p) {
     node = Node{};
     node.move = move_;
     node.terminal = gain_[at(p) * kSlots + at(alpha_)];
+    for (int direction = 0; direction < 4; ++direction)  // missing edges need no building
+      if (grid_->factor(p, direction) == 0) node.flags = static_cast<uint8_t>(node.flags | 1 << direction);
     touched_.push_back(p);
   }
   return node;
@@ -67,11 +80,10 @@ Expansion::Node& Expansion::touch(int p) {
 
 void Expansion::build_edge(int p, int direction) {
   Node& node = nodes_[at(p)];
-  node.edges_built = static_cast<uint8_t>(node.edges_built | 1 << direction);
-  if (grid_->factor(p, direction) == 0) return;
-  const int q = p + grid_->stride(direction);
+  const int q = p + offset_[direction];
   Node& other = touch(q);
-  other.edges_built = static_cast<uint8_t>(other.edges_built | 1 << (direction ^ 1));
+  node.flags = static_cast<uint8_t>(node.flags | 1 << direction);
+  other.flags = static_cast<uint8_t>(other.flags | 1 << (direction ^ 1));
   const bool forward = direction == kDown || direction == kRight;
   const EdgeTerms terms = forward ? edge_terms(p, direction, alpha_) : edge_terms(q, direction ^ 1, alpha_);
   node.capacity[direction] = static_cast<uint16_t>(forward ? terms.capacity_pq : terms.capacity_qp);
@@ -79,14 +91,16 @@ void Expansion::build_edge(int p, int direction) {
 }
 
 void Expansion::build_edges(int p) {
+  const uint8_t& flags = nodes_[at(p)].flags;
+  if ((flags & kAllEdges) == kAllEdges) return;
   for (int direction = 0; direction < 4; ++direction)
-    if ((nodes_[at(p)].edges_built >> direction & 1) == 0) build_edge(p, direction);
+    if ((flags >> direction & 1) == 0) build_edge(p, direction);
 }
 
 void Expansion::activate(int p) {
   Node& node = nodes_[at(p)];
-  if (node.active) return;
-  node.active = true;
+  if ((node.flags & kActive) != 0) return;
+  node.flags |= kActive;
   queue_.push_back(p);
 }
 
@@ -97,35 +111,52 @@ bool Expansion::expand(int alpha) {
   touched_.clear();
   queue_.clear();
   queue_head_ = 0;
-  for (int p = 0; p < grid_->size(); ++p) {
-    if ((negative_[at(p)] >> alpha & 1) == 0) continue;
-    Node& root = touch(p);
-    root.parent = kRoot;
-    activate(p);
-  }
+  seed(dilated(dirty_[at(alpha)]));
+  dirty_[at(alpha)] = 0;
   if (queue_.empty()) return false;
   while (queue_head_ < queue_.size()) {
     const int p = queue_[queue_head_++];
-    nodes_[at(p)].active = false;
+    nodes_[at(p)].flags &= static_cast<uint8_t>(~kActive);
     grow(p);
   }
   return commit();
 }
 
+// Makes the pixels that want to move roots of the tree, in the blocks given.
+void Expansion::seed(uint64_t blocks) {
+  for (int x = 0; x < grid_->width; ++x) {
+    const uint64_t column = blocks >> (8 * (x / block_width_)) & 255;
+    for (int block = 0; block < 8; ++block) {
+      if ((column >> block & 1) == 0) continue;
+      const int end = std::min((block + 1) * block_height_, grid_->height);
+      for (int p = x * grid_->height + block * block_height_; p < x * grid_->height + end; ++p) {
+        if ((negative_[at(p)] >> alpha_ & 1) == 0) continue;
+        touch(p).parent = kRoot;
+        activate(p);
+      }
+    }
+  }
+}
+
 // One tree grows from the excesses; a neighbour with capacity to the sink takes flow at once and joins when it is full.
 void Expansion::grow(int p) {
-  if (nodes_[at(p)].parent == kFree) return;
+  const Node& node = nodes_[at(p)];
+  if (node.parent == kFree) return;
   build_edges(p);
   for (int direction = 0; direction < 4; ++direction) {
-    if (nodes_[at(p)].capacity[direction] == 0) continue;
-    const int q = p + grid_->stride(direction);
-    Node& next = touch(q);
-    while (next.parent == kFree && next.terminal > 0 && nodes_[at(p)].capacity[direction] > 0) {
+    if (node.capacity[direction] == 0) continue;
+    const int q = p + offset_[direction];
+    Node& next = nodes_[at(q)];  // built with the edge
+    while (next.parent == kFree && next.terminal > 0 && node.capacity[direction] > 0) {
       augment(p, direction);
-      if (nodes_[at(p)].parent == kFree) return;
+      if (node.parent == kFree) return;
     }
-    const Node& node = nodes_[at(p)];
     if (next.parent != kFree || node.capacity[direction] == 0) continue;
+    if (next.terminal < 0) {  // wants to move, but lies outside the blocks searched
+      next.parent = kRoot;
+      activate(q);
+      continue;
+    }
     next.parent = static_cast<uint8_t>(1 + (direction ^ 1));
     next.distance = static_cast<uint16_t>(node.distance + 1);
     next.stamp = node.stamp;
@@ -134,39 +165,43 @@ void Expansion::grow(int p) {
 }
 
 void Expansion::augment(int p, int direction) {
-  Node& sink = nodes_[at(p + grid_->stride(direction))];
-  int flow = std::min<int>(sink.terminal, nodes_[at(p)].capacity[direction]);
+  Node* nodes = nodes_.data();
+  Node& sink = nodes[p + offset_[direction]];
+  int flow = std::min<int>(sink.terminal, nodes[p].capacity[direction]);
   int root = p;
-  while (nodes_[at(root)].parent != kRoot) {
-    const int up = nodes_[at(root)].parent - 1;
-    root += grid_->stride(up);
-    flow = std::min<int>(flow, nodes_[at(root)].capacity[up ^ 1]);
+  while (nodes[root].parent != kRoot) {
+    const int up = nodes[root].parent - 1;
+    root += offset_[up];
+    flow = std::min<int>(flow, nodes[root].capacity[up ^ 1]);
   }
-  flow = std::min(flow, -nodes_[at(root)].terminal);
+  flow = std::min(flow, -nodes[root].terminal);
 
   sink.terminal -= flow;
-  const auto push = [&](int from, int towards) {
-    Node& node = nodes_[at(from)];
-    Node& other = nodes_[at(from + grid_->stride(towards))];
-    node.capacity[towards] = static_cast<uint16_t>(node.capacity[towards] - flow);
-    other.capacity[towards ^ 1] = static_cast<uint16_t>(other.capacity[towards ^ 1] + flow);
-    return node.capacity[towards] == 0;
+  const auto push = [&](Node& from, Node& to, int towards) {
+    from.capacity[towards] = static_cast<uint16_t>(from.capacity[towards] - flow);
+    to.capacity[towards ^ 1] = static_cast<uint16_t>(to.capacity[towards ^ 1] + flow);
+    return from.capacity[towards] == 0;
   };
-  push(p, direction);
+  push(nodes[p], sink, direction);
   for (int child = p; child != root;) {
-    const int up = nodes_[at(child)].parent - 1;
-    const int parent = child + grid_->stride(up);
-    if (push(parent, up ^ 1)) orphans_.push_back(child);
+    const int up = nodes[child].parent - 1;
+    const int parent = child + offset_[up];
+    if (push(nodes[parent], nodes[child], up ^ 1)) {
+      nodes[child].parent = kOrphan;
+      orphans_.push_back(child);
+    }
     child = parent;
   }
-  nodes_[at(root)].terminal += flow;
-  if (nodes_[at(root)].terminal == 0) orphans_.push_back(root);
+  nodes[root].terminal += flow;
+  if (nodes[root].terminal == 0) {
+    nodes[root].parent = kOrphan;
+    orphans_.push_back(root);
+  }
   adopt_orphans();
 }
 
 void Expansion::adopt_orphans() {
   ++time_;
-  for (const int p : orphans_) nodes_[at(p)].parent = 6;  // in the tree, but without a parent
   while (!orphans_.empty()) {
     const int p = orphans_.back();
     orphans_.pop_back();
@@ -176,40 +211,44 @@ void Expansion::adopt_orphans() {
 
 // Whether the chain of parents of a tree node ends in a root; its length. Marks the chain so that it is walked once.
 bool Expansion::rooted(int p, int& distance) {
+  Node* nodes = nodes_.data();
   int length = 0, walk = p;
-  while (nodes_[at(walk)].stamp != time_) {
-    const uint8_t parent = nodes_[at(walk)].parent;
-    if (parent == kFree || parent > kRoot) return false;
+  while (nodes[walk].stamp != time_) {
+    const uint8_t parent = nodes[walk].parent;
+    if (parent == kOrphan) return false;
     if (parent == kRoot) {
-      nodes_[at(walk)].stamp = time_;
-      nodes_[at(walk)].distance = 0;
+      nodes[walk].stamp = time_;
+      nodes[walk].distance = 0;
       break;
     }
-    walk += grid_->stride(parent - 1);
+    walk += offset_[parent - 1];
     ++length;
   }
-  distance = length + nodes_[at(walk)].distance;
-  for (int d = distance, node = p; node != walk; node += grid_->stride(nodes_[at(node)].parent - 1)) {
-    nodes_[at(node)].stamp = time_;
-    nodes_[at(node)].distance = static_cast<uint16_t>(d--);
+  distance = length + nodes[walk].distance;
+  for (int d = distance, step = p; step != walk; step += offset_[nodes[step].parent - 1]) {
+    nodes[step].stamp = time_;
+    nodes[step].distance = static_cast<uint16_t>(d--);
   }
   return true;
 }
 
 bool Expansion::adopt(int p) {
   build_edges(p);
+  Node* nodes = nodes_.data();
+  const bool edge[4] = {grid_->factor(p, 0) != 0, grid_->factor(p, 1) != 0, grid_->factor(p, 2) != 0,
+                        grid_->factor(p, 3) != 0};
   int best = 1 << 30, best_direction = -1;
   for (int direction = 0; direction < 4; ++direction) {
-    if (grid_->factor(p, direction) == 0) continue;
-    const int q = p + grid_->stride(direction);
-    if (nodes_[at(q)].parent == kFree || nodes_[at(q)].capacity[direction ^ 1] == 0) continue;
+    if (!edge[direction]) continue;
+    const int q = p + offset_[direction];
+    if (nodes[q].capacity[direction ^ 1] == 0 || nodes[q].parent == kFree || nodes[q].parent == kOrphan) continue;
     int distance = 0;
     if (!rooted(q, distance) || distance >= best) continue;
     best = distance;
     best_direction = direction;
   }
   if (best_direction < 0) return false;
-  Node& node = nodes_[at(p)];
+  Node& node = nodes[p];
   node.parent = static_cast<uint8_t>(1 + best_direction);
   node.distance = static_cast<uint16_t>(best + 1);
   node.stamp = time_;
@@ -217,16 +256,15 @@ bool Expansion::adopt(int p) {
 }
 
 void Expansion::release(int p) {
-  Node& node = nodes_[at(p)];
-  node.parent = kFree;
+  nodes_[at(p)].parent = kFree;
   for (int direction = 0; direction < 4; ++direction) {
     if (grid_->factor(p, direction) == 0) continue;
-    const int q = p + grid_->stride(direction);
+    const int q = p + offset_[direction];
     Node& other = nodes_[at(q)];
     if (other.parent == kFree) continue;
     if (other.capacity[direction ^ 1] > 0) activate(q);
     if (other.parent == 1 + (direction ^ 1)) {
-      other.parent = 6;
+      other.parent = kOrphan;
       orphans_.push_back(q);
     }
   }
@@ -234,13 +272,16 @@ void Expansion::release(int p) {
 
 // What is still in the tree could not spend its excess: it takes alpha.
 bool Expansion::commit() {
-  bool changed = false;
+  uint64_t changed = 0;  // blocks
   for (const int p : touched_) {
     if (nodes_[at(p)].parent == kFree || grid_->label[at(p)] == alpha_) continue;
     grid_->label[at(p)] = static_cast<uint8_t>(alpha_);
-    changed = true;
+    const int block = p / grid_->height / block_width_ * 8 + p % grid_->height / block_height_;
+    changed |= uint64_t{1} << block;
   }
-  if (!changed) return false;
+  if (changed == 0) return false;
+  for (int slot = 0; slot < kSlots; ++slot)
+    if (slot != alpha_) dirty_[at(slot)] |= changed;
   for (const int p : touched_) {
     if (nodes_[at(p)].parent == kFree) continue;
     compute_gains(p);

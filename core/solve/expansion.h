@@ -8,6 +8,7 @@
 // the true energy falls by at least what the cut gains.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -21,13 +22,18 @@ class Expansion {
   // Prepares the moves of the grid's current labels. The grid is changed by `expand` only, until the next `start`.
   void start(LabelGrid& grid, const Smoothness& smoothness);
 
-  // Minimises over the move to slot alpha; true if labels changed (the energy then fell).
+  // Minimises over the move to slot alpha; true if labels changed (the energy then fell). From the second call for a
+  // slot on, the search begins only near pixels that changed since the last call.
   bool expand(int alpha);
+
+  // Whether the labels near some pixel changed since the last move to this slot.
+  bool pending(int alpha) const { return dirty_[static_cast<size_t>(alpha)] != 0; }
 
   size_t bytes() const;
 
  private:
-  static constexpr uint8_t kFree = 0, kRoot = 5;  // other parents: 1 + direction
+  static constexpr uint8_t kFree = 0, kRoot = 5, kOrphan = 6;  // other parents: 1 + direction
+  static constexpr uint8_t kAllEdges = 15, kActive = 16;
 
   // A node of the cut graph, built when the search first touches it.
   struct Node {
@@ -37,8 +43,7 @@ class Expansion {
     uint32_t move = 0;          // the move that built this node
     uint16_t distance = 0;
     uint8_t parent = kFree;
-    uint8_t edges_built = 0;  // bit per direction
-    bool active = false;
+    uint8_t flags = 0;  // kActive; bit per direction whose edge was built
   };
 
   struct EdgeTerms {
@@ -47,6 +52,7 @@ class Expansion {
 
   EdgeTerms edge_terms(int p, int direction, int alpha) const;
   void compute_gains(int p);
+  void seed(uint64_t blocks);
   Node& touch(int p);
   void build_edges(int p);
   void build_edge(int p, int direction);
@@ -65,7 +71,11 @@ class Expansion {
   std::vector<int16_t> gain_;       // 16 per pixel: unary cost of moving to each slot
   std::vector<uint16_t> negative_;  // bit per slot whose gain is below 0
   std::vector<Node> nodes_;
+  // The window in 8 x 8 blocks; per slot those with changes since the last move to it.
+  std::array<uint64_t, kSlots> dirty_{};
+  int block_width_ = 1, block_height_ = 1;
   std::vector<int> touched_, queue_, orphans_;
+  int offset_[8] = {};  // from a pixel to its neighbour by direction; towards a parent: offset_[parent - 1]
   size_t queue_head_ = 0;
   uint32_t move_ = 0, time_ = 0;
   int alpha_ = 0;

@@ -15,12 +15,13 @@ void LabelGrid::resize(int new_width, int new_height, bool with_positions) {
   message.assign(n * kSlots * 4, 0);
   down.assign(n, 0);
   right.assign(n, 0);
+  fresh.assign(n, 3);
   label.assign(n, 0);
 }
 
 size_t LabelGrid::bytes() const {
   return cost.capacity() * sizeof(uint16_t) + grey.capacity() + grey_range.capacity() + position.capacity() +
-         message.capacity() + down.capacity() + right.capacity() + label.capacity();
+         message.capacity() + down.capacity() + right.capacity() + label.capacity() + fresh.capacity();
 }
 
 void LabelGrid::find_grey_ranges() {
@@ -43,6 +44,7 @@ KernelGrid LabelGrid::kernel_grid(const Smoothness& smoothness) {
   grid.right = right.data();
   grid.message = message.data();
   grid.label = label.data();
+  grid.fresh = fresh.data();
   grid.truncation = smoothness.truncation();
   grid.coarse = smoothness.coarse();
   grid.fine = smoothness.fine();
@@ -50,17 +52,44 @@ KernelGrid LabelGrid::kernel_grid(const Smoothness& smoothness) {
   return grid;
 }
 
-int LabelGrid::factor(int p, int direction) const {
-  switch (direction) {
-    case kDown:
-      return down[static_cast<size_t>(p)];
-    case kRight:
-      return right[static_cast<size_t>(p)];
-    case kUp:
-      return p >= 1 ? down[static_cast<size_t>(p - 1)] : 0;
-    default:
-      return p >= height ? right[static_cast<size_t>(p - height)] : 0;
-  }
+void coarsen(const LabelGrid& fine, LabelGrid& coarse) {
+  constexpr int kCeiling = 20000;  // keeps sums of costs and messages within 16 bits
+  coarse.resize((fine.width + 1) / 2, (fine.height + 1) / 2, !fine.position.empty());
+  const auto at = [](const LabelGrid& grid, int x, int y) {
+    return static_cast<size_t>(std::min(x, grid.width - 1)) * static_cast<size_t>(grid.height) +
+           static_cast<size_t>(std::min(y, grid.height - 1));
+  };
+  for (int x = 0; x < coarse.width; ++x)
+    for (int y = 0; y < coarse.height; ++y) {
+      const size_t p = at(coarse, x, y);
+      const size_t block[4] = {at(fine, 2 * x, 2 * y), at(fine, 2 * x, 2 * y + 1), at(fine, 2 * x + 1, 2 * y),
+                               at(fine, 2 * x + 1, 2 * y + 1)};
+      for (size_t slot = 0; slot < kSlots; ++slot) {
+        int sum = 0;
+        for (const size_t q : block) sum += fine.cost[q * kSlots + slot];
+        coarse.cost[p * kSlots + slot] = static_cast<uint16_t>(std::min(sum / 2, kCeiling));
+      }
+      std::copy_n(fine.grey.begin() + static_cast<ptrdiff_t>(block[0] * kSlots), kSlots,
+                  coarse.grey.begin() + static_cast<ptrdiff_t>(p * kSlots));
+      if (!fine.position.empty())
+        std::copy_n(fine.position.begin() + static_cast<ptrdiff_t>(block[0] * kSlots), kSlots,
+                    coarse.position.begin() + static_cast<ptrdiff_t>(p * kSlots));
+      std::copy_n(fine.grey_range.begin() + static_cast<ptrdiff_t>(block[0] * 2), 2,
+                  coarse.grey_range.begin() + static_cast<ptrdiff_t>(p * 2));
+      if (y + 1 < coarse.height) coarse.down[p] = std::max(fine.down[block[1]], fine.down[block[3]]);
+      if (x + 1 < coarse.width) coarse.right[p] = std::max(fine.right[block[2]], fine.right[block[3]]);
+    }
+}
+
+void spread_messages(const LabelGrid& coarse, LabelGrid& fine) {
+  for (int x = 0; x < fine.width; ++x)
+    for (int y = 0; y < fine.height; ++y) {
+      const int p = x * fine.height + y, block = x / 2 * coarse.height + y / 2;
+      for (int direction = 0; direction < 4; ++direction)
+        if (fine.factor(p, direction) != 0)
+          std::copy_n(coarse.messages(block, direction), kSlots,
+                      fine.message.begin() + (static_cast<ptrdiff_t>(p) * 4 + direction) * kSlots);
+    }
 }
 
 Energy energy_of(const LabelGrid& grid, const Smoothness& smoothness) {

@@ -28,6 +28,7 @@ struct LabelGrid {
   std::vector<uint8_t> grey_range;   // least and largest grey, 2 per pixel
   std::vector<uint8_t> message;      // 64 per pixel: what came from each direction, 16 each (a reparametrisation)
   std::vector<uint8_t> down, right;  // edge factors, 1 per pixel; 0 = no edge
+  std::vector<uint8_t> fresh;        // 1 per pixel, see KernelGrid
   std::vector<uint8_t> label;        // slot taken, 1 per pixel
 
   void resize(int new_width, int new_height, bool with_positions);
@@ -49,13 +50,31 @@ struct LabelGrid {
   void find_grey_ranges();
   KernelGrid kernel_grid(const Smoothness& smoothness);
   // Factor of the edge that leaves p in a direction, 0 at the rim.
-  int factor(int p, int direction) const;
+  int factor(int p, int direction) const {
+    switch (direction) {
+      case kDown:
+        return down[static_cast<size_t>(p)];
+      case kRight:
+        return right[static_cast<size_t>(p)];
+      case kUp:
+        return p >= 1 ? down[static_cast<size_t>(p - 1)] : 0;
+      default:
+        return p >= height ? right[static_cast<size_t>(p - height)] : 0;
+    }
+  }
 
   // V of the pair (slot a at p, slot b at q) across an edge of some factor.
   int pair(const Smoothness& smoothness, int factor, int p, int a, int q, int b) const {
     return smoothness(factor, position_of(p, a) - position_of(q, b), greys(p)[a] - greys(q)[b]);
   }
 };
+
+// The grid at half its resolution: costs of 2x2 pixels summed and, like the edges between blocks, halved, so that a
+// message of the coarse grid stands for that of each fine edge.
+void coarsen(const LabelGrid& fine, LabelGrid& coarse);
+
+// Gives every pixel the messages of its coarse pixel, where there is an edge to carry them.
+void spread_messages(const LabelGrid& coarse, LabelGrid& fine);
 
 struct Energy {
   int64_t data = 0, smoothness = 0;

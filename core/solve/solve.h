@@ -26,11 +26,12 @@ struct EdgeFactors {
 };
 
 struct SolveOptions {
-  double lambda = 2;                     // in grey levels; lambda * truncation * largest factor <= 63
-  int truncation = 2;                    // labels, 1 .. 15
-  double contrast = 0.01;                // per grey level
-  int core_px = 96, margin_px = 16;      // windows: core_px plus margin_px on each side
-  int iterations = 20;                   // of message passing in each window
+  double lambda = 2;                  // in grey levels; lambda * truncation * largest factor <= 62
+  int truncation = 2;                 // labels, 1 .. 15
+  double contrast = 0.01;             // per grey level
+  int core_px = 128, margin_px = 16;  // windows: core_px plus margin_px on each side
+  int iterations = 8;                 // of message passing in each window, at each of four resolutions
+  int passes = 0;  // over all windows, every second one shifted by half a window; 0 = 2 for small grids, else 1
   size_t memory_bytes = 0;               // costs that may be kept between passes; 0 = recompute
   const EdgeFactors* factors = nullptr;  // nullptr: every factor is 1
 };
@@ -51,11 +52,12 @@ struct Labelling {
 Labelling solve_depth(const CostSource& costs, const Plane<uint8_t>& mask, const SolveOptions& options, const Job& job);
 
 struct ColourSolveOptions {
-  double lambda = 2;                 // in degrees
-  int truncation = 2;                // frames
-  double contrast = 0.1;             // per depth label
-  int core_px = 96, margin_px = 16;  // windows: core_px plus margin_px on each side
-  int iterations = 20;               // of message passing in each window
+  double lambda = 2;                  // in degrees
+  int truncation = 2;                 // frames
+  double contrast = 0.1;              // per depth label
+  int core_px = 128, margin_px = 16;  // as for depth
+  int iterations = 8;
+  int passes = 0;
 };
 
 // Gives the source frame of every present pixel (255 where absent or unseen). Pixels without a candidate have no edges;

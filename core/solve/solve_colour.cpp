@@ -106,7 +106,7 @@ Labelling solve_colour(const ColourCosts& costs, const ColourSolveOptions& optio
   const Smoothness smoothness(step, options.contrast, options.truncation);
   const ColourSource source(costs, units);
   const WindowSolve solve =
-      solve_windows(source, smoothness, {options.core_px, options.margin_px, options.iterations}, job);
+      solve_windows(source, smoothness, {options.core_px, options.margin_px, options.iterations, options.passes}, job);
   Labelling result;
   result.labels = Plane<uint8_t>(costs.width(), costs.height());
   int64_t angles = 0, least_angles = 0;

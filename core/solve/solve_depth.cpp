@@ -8,7 +8,7 @@ Labelling solve_depth(const CostSource& costs, const Plane<uint8_t>& mask, const
                       const Job& job) {
   const DepthProblem problem(costs, mask, options);
   WindowSolve solve = solve_windows(problem.source(), problem.smoothness(),
-                                    {options.core_px, options.margin_px, options.iterations}, job);
+                                    {options.core_px, options.margin_px, options.iterations, options.passes}, job);
   const double grey_levels = problem.grey_levels_per_unit();
   Labelling result;
   result.labels = std::move(solve.slots);

@@ -1,6 +1,7 @@
 #include "windows.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <memory>
 #include <mutex>
@@ -13,15 +14,22 @@ namespace ldp {
 namespace {
 
 constexpr int kStripColumns = 32;
-constexpr int kMaxPasses = 12;
+constexpr int kCoarseLevels = 3;
+constexpr int kMaxCycles = 20;  // of expansion over all slots; mostly 3 or 4 are enough
+constexpr int kSmall = 300000;  // pixels; below, one unlucky window shows, and a second, shifted pass costs little
 
 // What a thread needs to work on one window; kept for the next window.
 struct Scratch {
   LabelGrid grid;
+  std::array<LabelGrid, kCoarseLevels> coarse;  // the window at 1/2, 1/4 ... of its resolution
   Expansion expansion;
   std::vector<uint8_t> labels;
 
-  size_t bytes() const { return labels.capacity() + grid.bytes() + expansion.bytes(); }
+  size_t bytes() const {
+    size_t sum = labels.capacity() + grid.bytes();
+    for (const LabelGrid& level : coarse) sum += level.bytes();
+    return sum + expansion.bytes();
+  }
 };
 
 class ScratchPool {
@@ -223,11 +231,15 @@ class WindowSolver {
     fold_ring(window, smoothness_, grid);
     bool changed = pass_messages(*scratch);
     scratch->expansion.start(grid, smoothness_);
-    for (int quiet = 0, alpha = 0; quiet < source_.slots(); alpha = (alpha + 1) % source_.slots()) {
-      job_.check();
-      const bool moved = scratch->expansion.expand(alpha);
-      quiet = moved ? 1 : quiet + 1;
-      changed = changed || moved;
+    for (int cycle = 0; cycle < kMaxCycles; ++cycle) {
+      bool pending = false;
+      for (int alpha = 0; alpha < source_.slots(); ++alpha) {
+        job_.check();
+        if (!scratch->expansion.pending(alpha)) continue;
+        pending = true;
+        if (scratch->expansion.expand(alpha)) changed = true;
+      }
+      if (!pending) break;
     }
     if (changed) store_labels(inner, window.left_ring, window.top_ring, grid);
     pool_.give(std::move(scratch));
@@ -239,16 +251,30 @@ class WindowSolver {
     LabelGrid& grid = scratch.grid;
     const int64_t energy = energy_of(grid, smoothness_).total();
     scratch.labels = grid.label;
+    const LabelGrid* finer = &grid;
+    for (LabelGrid& level : scratch.coarse) {
+      coarsen(*finer, level);
+      finer = &level;
+    }
+    for (int i = kCoarseLevels; i-- > 0;) {
+      exchange(scratch.coarse[static_cast<size_t>(i)], options_.iterations);
+      spread_messages(scratch.coarse[static_cast<size_t>(i)],
+                      i == 0 ? grid : scratch.coarse[static_cast<size_t>(i - 1)]);
+    }
+    exchange(grid, options_.iterations);
+    message_kernels().decide(grid.kernel_grid(smoothness_));
+    if (energy_of(grid, smoothness_).total() < energy) return true;
+    grid.label = scratch.labels;
+    return false;
+  }
+
+  void exchange(LabelGrid& grid, int iterations) {
     const KernelGrid kernel_grid = grid.kernel_grid(smoothness_);
-    for (int i = 0; i < options_.iterations; ++i) {
+    for (int i = 0; i < iterations; ++i) {
       job_.check();
       message_kernels().sweep(kernel_grid, true, 0, grid.width);
       message_kernels().sweep(kernel_grid, false, 0, grid.width);
     }
-    message_kernels().decide(kernel_grid);
-    if (energy_of(grid, smoothness_).total() < energy) return true;
-    grid.label = scratch.labels;
-    return false;
   }
 
   void store_labels(const Window& window, int left, int top, const LabelGrid& grid) {
@@ -273,8 +299,9 @@ WindowSolve solve_windows(const GridSource& source, const Smoothness& smoothness
   WindowSolver solver(source, smoothness, options, job);
   WindowSolve result;
   result.initial = solver.scan(true);
-  while (result.passes < kMaxPasses) {
-    job.report("solve", static_cast<double>(result.passes) / kMaxPasses);
+  const int passes = options.passes > 0 ? options.passes : source.width() * source.height() < kSmall ? 2 : 1;
+  while (result.passes < passes) {
+    job.report("solve", static_cast<double>(result.passes) / passes);
     const bool changed = solver.pass(result.passes % 2 == 1);
     ++result.passes;
     if (!changed) break;

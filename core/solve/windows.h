@@ -14,8 +14,9 @@
 namespace ldp {
 
 struct WindowOptions {
-  int core_px = 96, margin_px = 16;
-  int iterations = 20;  // of message passing in each window
+  int core_px = 128, margin_px = 16;
+  int iterations = 8;  // of message passing in each window, at each resolution
+  int passes = 0;      // over all windows, every second one shifted by half a window; 0 = 2 for small grids, else 1
 };
 
 struct WindowSolve {

@@ -1,6 +1,10 @@
 // Energy, speed and memory of the solver against a whole-grid alpha-expansion and a lower bound.
 //
-//   solve_bench [--reference] [--bound ITERATIONS] [--iterations N] [--core PX] [--margin PX] NAME...
+//   solve_bench [--reference] [--bound ITERATIONS] [--iterations N] [--passes N] [--core PX] [--margin PX] [--save
+//   FILE.volume] NAME...
+//
+// NAME: tsukuba, teddy, either with 1600 or 2400 appended (mirror-tiled to 1600x600, 2400x700), a capture folder, or a
+// saved volume.
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -16,8 +20,9 @@ namespace {
 
 struct Settings {
   bool reference = false;
+  std::string save;
   int bound_iterations = 0;
-  int core_px = 96, margin_px = 16, iterations = 20;
+  int core_px = 128, margin_px = 16, iterations = 8, passes = 0;
   std::vector<std::string> names;
 };
 
@@ -33,6 +38,10 @@ Settings parse(int argc, char** argv) {
       settings.core_px = std::atoi(argv[++i]);
     else if (word == "--iterations")
       settings.iterations = std::atoi(argv[++i]);
+    else if (word == "--passes")
+      settings.passes = std::atoi(argv[++i]);
+    else if (word == "--save")
+      settings.save = argv[++i];
     else if (word == "--margin")
       settings.margin_px = std::atoi(argv[++i]);
     else
@@ -43,6 +52,8 @@ Settings parse(int argc, char** argv) {
 }
 
 Problem make_problem(const std::string& name) {
+  if (name.ends_with(".volume")) return saved_problem(name);
+  if (name.find('/') != std::string::npos) return capture_problem(name);
   const size_t digits = name.find_first_of("0123456789");
   Problem problem = name.substr(0, digits) == "teddy" ? teddy16() : tsukuba();
   if (digits == std::string::npos) return problem;
@@ -56,7 +67,7 @@ void compare(const DepthProblem& whole, const Problem& problem, double energy, c
   LabelGrid grid;
   whole.source().load({0, 0, problem.volume.width(), problem.volume.height()}, grid);
   const double unit = whole.grey_levels_per_unit() / problem.unit;
-  const auto least = static_cast<double>(problem.volume.least_sum);
+  const auto least = static_cast<double>(problem.volume.least_sum());
   if (settings.bound_iterations > 0) {
     const double bound = lower_bound(grid, whole.smoothness(), settings.bound_iterations) * unit + least;
     std::printf("  bound %.1f gap %+.3f %%", bound, 100 * (energy - bound) / bound);
@@ -71,17 +82,19 @@ void compare(const DepthProblem& whole, const Problem& problem, double energy, c
 }
 
 void run(Problem problem, const Settings& settings) {
+  if (!settings.save.empty()) save_volume(problem.volume, settings.save);
   SolveOptions options = problem.options;
   options.core_px = settings.core_px;
   options.margin_px = settings.margin_px;
   options.iterations = settings.iterations;
+  options.passes = settings.passes;
   if (!problem.factors.right.empty()) options.factors = &problem.factors;
   const double start = cpu_seconds();
   const Labelling result = solve_depth(problem.volume, {}, options, {});
   const double seconds = cpu_seconds() - start;
   const auto pixels = static_cast<double>(result.labels.samples.size());
   const double energy = (result.report.data_energy + result.report.smoothness_energy) / problem.unit +
-                        static_cast<double>(problem.volume.least_sum);
+                        static_cast<double>(problem.volume.least_sum());
   std::printf("%-12s %dx%d E %.0f  %.2f s  %.2f Mpl/s  %.1f B/node  %d passes", problem.name.c_str(),
               result.labels.width, result.labels.height, energy, seconds,
               pixels * problem.volume.labels() / seconds * 1e-6, static_cast<double>(result.report.peak_bytes) / pixels,

@@ -10,6 +10,7 @@ namespace ldp {
 
 Volume::Volume(int width, int height, int labels, bool wraps)
     : cost(static_cast<size_t>(width) * static_cast<size_t>(height) * static_cast<size_t>(labels)),
+      least(cost.size() / static_cast<size_t>(labels)),
       width_(width),
       height_(height),
       labels_(labels),
@@ -101,7 +102,7 @@ Problem stereo(const StereoSettings& settings) {
         merged = std::min(merged, dissimilarity(left, right, x, y, d));
       }
       const int least = *std::min_element(cost, cost + 16);
-      problem.volume.least_sum += least;
+      problem.volume.least[problem.volume.index(x, y) / 16] = least;
       for (int l = 0; l < 16; ++l)
         problem.volume.cost[problem.volume.index(x, y) + static_cast<size_t>(l)] =
             static_cast<uint8_t>(std::min(255, cost[l] - least));
@@ -135,6 +136,7 @@ Problem mirror_tiled(const Problem& problem, int width, int height) {
       const int tx = mirrored(x, tile.width()), ty = mirrored(y, tile.height());
       std::copy_n(tile.cost.begin() + static_cast<ptrdiff_t>(tile.index(tx, ty)), tile.labels(),
                   tiled.volume.cost.begin() + static_cast<ptrdiff_t>(tiled.volume.index(x, y)));
+      tiled.volume.least[tiled.volume.index(x, y) / 16] = tile.least[tile.index(tx, ty) / 16];
       const int tx2 = mirrored(x + 1, tile.width()), ty2 = mirrored(y + 1, tile.height());
       tiled.factors.right.at(x, y) = problem.factors.right.at(std::min(tx, tx2), ty);
       tiled.factors.down.at(x, y) = problem.factors.down.at(tx, std::min(ty, ty2));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,8 @@ class Volume final : public CostSource {
   }
 
   std::vector<uint8_t> cost, median;  // the source's layout; an empty median stands for zeros
-  int64_t least_sum = 0;
+  std::vector<int> least;             // per pixel, by columns
+  int64_t least_sum() const { return std::accumulate(least.begin(), least.end(), int64_t{0}); }
 
  private:
   int width_, height_, labels_;
@@ -45,5 +47,10 @@ struct Problem {
 Problem tsukuba();
 Problem teddy16();
 Problem mirror_tiled(const Problem& problem, int width, int height);
+
+// The volume of the first layer of a capture folder with transforms.json.
+Problem capture_problem(const std::string& folder);
+void save_volume(const Volume& volume, const std::string& file);
+Problem saved_problem(const std::string& file);
 
 }  // namespace ldp
