@@ -126,10 +126,12 @@ class Build {
     const BoundaryCosts costs(sweep, want, surface);
     const Plane<uint8_t> labels = solve(costs, want, name);
     DisparityMap layer = refine(sweep, labels, job_);
+    const int gap = gap_steps(grid_, {});
     for (size_t i = 0; i < layer.samples.size(); ++i) {
-      const bool behind = layer.samples[i] + kLabelSteps / 2 < surface.samples[i];
+      const bool behind = layer.samples[i] + gap <= surface.samples[i];
       if (want.samples[i] != kWanted || !behind) layer.samples[i] = kNoDisparity;
     }
+    continue_background(want, surface, gap, layer);
     watch_.lap("refine");
     drop_unseen(grid_, upright_, maps, job_, layer);
     watch_.lap("visibility");
@@ -160,7 +162,9 @@ class Build {
   }
 
   Plane<uint8_t> solve(const CostSource& costs, const Plane<uint8_t>& mask, const std::string& name) {
-    Labelling labelling = solve_depth(costs, mask, {}, job_);
+    SolveOptions solve_options;
+    solve_options.memory_bytes = size_t{64} << 20;
+    Labelling labelling = solve_depth(costs, mask, solve_options, job_);
     report_.solves.push_back({"depth " + name, labelling.report});
     pictures_.labels("labels " + name, labelling.labels, options_.labels - 1);
     watch_.lap("solve");
@@ -171,12 +175,14 @@ class Build {
     const std::vector<VisibilityMap> maps = grid_.w_near > 0 ? visibility_of(layers_) : std::vector<VisibilityMap>();
     pictures_.visibility("visibility", maps);
     for (size_t k = 0; k < layers_.size(); ++k) {
-      const SourceCandidates candidates(grid_, layers_[k], upright_, maps, {});
+      ColourOptions colour;
+      colour.guess_hidden = k == 0;
+      const SourceCandidates candidates(grid_, layers_[k], upright_, maps, colour);
       Labelling labelling = solve_colour(candidates, {}, job_);
       const std::string name = "colour layer " + std::to_string(k + 1);
       report_.solves.push_back({name, labelling.report});
       pictures_.sources("sources layer " + std::to_string(k + 1), labelling.labels);
-      if (k > 0) drop_colourless(labelling.labels, layers_[k]);
+      drop_colourless(labelling.labels, layers_[k]);
       sources_.push_back(std::move(labelling.labels));
     }
     watch_.lap("colour cut");

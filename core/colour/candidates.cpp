@@ -30,12 +30,13 @@ SourceCandidates::SourceCandidates(const PanoramaGrid& grid, const DisparityMap&
   }
 }
 
-SourceCandidates::Seen SourceCandidates::look(size_t frame, double x_px, double y_px, double inverse_z) const {
+SourceCandidates::Seen SourceCandidates::look(size_t frame, double x_px, double y_px, double inverse_z,
+                                              bool through) const {
   const UprightFrame& upright = frames_[frame];
   if (!(x_px >= 0.5 && x_px < upright.camera.width - 0.5)) return {};
   const auto column = static_cast<size_t>(x_px);
   if (y_px < upright.valid_begin[column] + 0.5 || y_px >= upright.valid_end[column] - 0.5) return {};
-  if (visibility_.empty()) return {true, false};
+  if (visibility_.empty() || through) return {true, false};
   const VisibilityMap& map = visibility_[frame];
   const int limit = static_cast<int>(inverse_z / map.scale) + map.tolerance;
   const auto nearest = [&](double x, double y) {
@@ -50,7 +51,7 @@ SourceCandidates::Seen SourceCandidates::look(size_t frame, double x_px, double 
   return {true, mixed};
 }
 
-int SourceCandidates::cost_from(size_t frame, int x, int y, double w) const {
+int SourceCandidates::cost_from(size_t frame, int x, int y, double w, bool through) const {
   const VoxelProjection& projection = projections_[frame];
   const auto u = projection.column(headings_[static_cast<size_t>(x)]);
   const double forward = projection.forward(u, w);
@@ -59,7 +60,7 @@ int SourceCandidates::cost_from(size_t frame, int x, int y, double w) const {
   const double right = projection.right(u, w), up = projection.up(v, w);
   const UprightCamera& camera = frames_[frame].camera;
   const double x_px = camera.focal * right / forward + camera.cx, y_px = camera.cy - camera.focal * up / forward;
-  const Seen seen = look(frame, x_px, y_px, w / forward);
+  const Seen seen = look(frame, x_px, y_px, w / forward, through);
   if (!seen.visible) return -1;
   // Chord between the unit vectors of both rays: the angle, to 2 % up to 40 degrees.
   const double length2 = (right * right + forward * forward + up * up) * (1 + v * v);
@@ -72,10 +73,15 @@ int SourceCandidates::cost_from(size_t frame, int x, int y, double w) const {
 }
 
 int SourceCandidates::candidates(int x, int y, uint8_t frame[16], uint16_t cost[16]) const {
+  const int count = collect(x, y, false, frame, cost);
+  return count == 0 && options_.guess_hidden ? collect(x, y, true, frame, cost) : count;
+}
+
+int SourceCandidates::collect(int x, int y, bool through, uint8_t frame[16], uint16_t cost[16]) const {
   const double w = grid_.inverse_depth(layer_.at(x, y));
   int count = 0;
   for (const uint8_t i : facing_[static_cast<size_t>(x)]) {
-    const int c = cost_from(i, x, y, w);
+    const int c = cost_from(i, x, y, w, through);
     if (c < 0) continue;
     if (count == kMaxCandidates) {  // the dearest makes room, so that frames stay in rising order
       const auto dearest = std::max_element(cost, cost + count) - cost;

@@ -26,10 +26,11 @@ namespace ldp {
 constexpr uint8_t kNoSource = 255;
 
 struct ColourOptions {
-  double mixed_px = 1.5;    // a sample so close to a nearer surface may be mixed with it
-  double mixed_deg = 8;     // what that costs
-  double off_axis_deg = 2;  // what a sample in the photograph's corner costs (blur, vignetting)
-  int seam_cell_px = 16;    // seams are spread in cells of this size
+  double mixed_px = 1.5;      // a sample so close to a nearer surface may be mixed with it
+  double mixed_deg = 8;       // what that costs
+  double off_axis_deg = 2;    // what a sample in the photograph's corner costs (blur, vignetting)
+  int seam_cell_px = 16;      // seams are spread in cells of this size
+  bool guess_hidden = false;  // a pixel that every camera has hidden takes what lies in front of it
   bool even_seams = true;
 };
 
@@ -51,8 +52,9 @@ class SourceCandidates final : public ColourCosts {
   struct Seen {
     bool visible = false, mixed = false;
   };
-  Seen look(size_t frame, double x_px, double y_px, double inverse_z) const;
-  int cost_from(size_t frame, int x, int y, double w) const;  // negative: does not see it
+  Seen look(size_t frame, double x_px, double y_px, double inverse_z, bool through) const;
+  int cost_from(size_t frame, int x, int y, double w, bool through) const;  // negative: does not see it
+  int collect(int x, int y, bool through, uint8_t frame[16], uint16_t cost[16]) const;
 
   const PanoramaGrid& grid_;
   const DisparityMap& layer_;

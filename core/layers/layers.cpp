@@ -31,6 +31,12 @@ int first_pixel(double position_px, int shrink, int limit) {
   return static_cast<int>(std::clamp(pixel, 0.0, static_cast<double>(limit)));
 }
 
+// Disparity steps that shift a voxel by so many pixels when the eye moves by one arc radius.
+double parallax_steps(const PanoramaGrid& grid, double px) {
+  const double range = grid.w_near - grid.w_far;
+  return range <= 0 ? kLabelSteps : px * grid.v_pitch / (std::max(grid.arc.radius, 1e-9) * range) * kDisparitySteps;
+}
+
 // Draws the layers into one camera's map.
 class MapPainter {
  public:
@@ -39,7 +45,9 @@ class MapPainter {
       : grid_(grid),
         edges_(edges),
         projection_(grid, camera),
-        connect_(static_cast<int>(options.connect_labels * kLabelSteps)),
+        connect_steps_(parallax_steps(grid, options.connect_px)),
+        connect_share_(options.connect_share),
+        far_steps_(grid.w_far / std::max(1e-9, grid.w_near - grid.w_far) * kDisparitySteps),
         sees_(edges.size() - 1) {
     for (size_t x = 0; x < sees_.size(); ++x) sees_[x] = in_view(edges[x]) || in_view(edges[x + 1]);
     const int columns = (camera.width + options.shrink - 1) / options.shrink;
@@ -72,7 +80,9 @@ class MapPainter {
 
  private:
   double shared_edge(int d, int neighbour) const {
-    if (neighbour == kNoDisparity || std::abs(d - neighbour) > connect_) return d;
+    if (neighbour == kNoDisparity) return d;
+    const double limit = connect_steps_ + connect_share_ * (far_steps_ + std::max(d, neighbour));
+    if (std::abs(d - neighbour) > limit) return d;
     return 0.5 * (d + neighbour);
   }
 
@@ -119,7 +129,7 @@ class MapPainter {
   const PanoramaGrid& grid_;
   const std::vector<Heading>& edges_;
   VoxelProjection projection_;
-  int connect_;
+  double connect_steps_, connect_share_, far_steps_;  // disparity steps; far_steps_ + disparity is the inverse depth
   std::vector<uint8_t> sees_;
   VisibilityMap map_;
 };
@@ -128,9 +138,8 @@ class MapPainter {
 struct VoxelColumn {
   const UprightFrame* frame;
   const VisibilityMap* map;
-  const uint16_t* inverse_z;  // the map's column
-  int column;                 // of the upright frame
-  double slope, offset;       // upright row = offset + slope v
+  int column;            // of the upright frame
+  double slope, offset;  // upright row = offset + slope v
 };
 
 // Cameras that may see the column's voxels at inverse depth w.
@@ -144,18 +153,23 @@ std::vector<VoxelColumn> voxel_columns(const std::vector<VoxelProjection>& proje
     if (forward < 0.1) continue;
     const double x_px = projections[i].x_px(u, w);
     if (!(x_px >= 0 && x_px < frames[i].camera.width)) continue;
-    const int column = static_cast<int>(x_px);
-    seen.push_back({&frames[i], &maps[i], maps[i].inverse_z.row(column / maps[i].shrink), column,
-                    projections[i].row_slope(forward), projections[i].row_offset(w, forward)});
+    seen.push_back({&frames[i], &maps[i], static_cast<int>(x_px), projections[i].row_slope(forward),
+                    projections[i].row_offset(w, forward)});
   }
   return seen;
 }
 
+// Does the voxel fall on a pixel that no layer covers, or beside one?
 bool falls_on_uncovered(const VoxelColumn& voxels, double v) {
   const double y_px = voxels.offset + voxels.slope * v;
   const auto column = static_cast<size_t>(voxels.column);
   if (y_px < voxels.frame->valid_begin[column] || y_px >= voxels.frame->valid_end[column]) return false;
-  return voxels.inverse_z[static_cast<int>(y_px) / voxels.map->shrink] == kUncovered;
+  const Plane<uint16_t>& surface = voxels.map->inverse_z;
+  const int x = voxels.column / voxels.map->shrink, y = static_cast<int>(y_px) / voxels.map->shrink;
+  for (int i = std::max(0, x - 1); i <= std::min(x + 1, surface.height - 1); ++i)
+    for (int j = std::max(0, y - 1); j <= std::min(y + 1, surface.width - 1); ++j)
+      if (surface.at(j, i) == kUncovered) return true;
+  return false;
 }
 
 std::vector<VoxelProjection> projections_of(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames) {
@@ -205,14 +219,14 @@ Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front
                              const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
                              const LayersOptions& options, const Job& job) {
   const std::vector<VoxelProjection> projections = projections_of(grid, frames);
-  const int gap = static_cast<int>(options.gap_labels * kLabelSteps);
+  const int gap = gap_steps(grid, options);
   Plane<uint8_t> want(grid.width, grid.height, kUnwanted);
   parallel_for(job, grid.width, [&](int x) {
     const Heading h = heading(grid.theta(x + 0.5));
     std::vector<int> nearest(static_cast<size_t>(grid.height));  // of the disparities that lie behind; -1 = settled
     for (int y = 0; y < grid.height; ++y)
       nearest[static_cast<size_t>(y)] = front.at(x, y) == kNoDisparity ? -1 : front.at(x, y) - gap;
-    for (int d = 0; d <= kDisparitySteps - gap; d += kLabelSteps)
+    for (int d = 0; d <= kDisparitySteps - gap; d += kLabelSteps / 2)
       for (const VoxelColumn& voxels : voxel_columns(projections, frames, maps, h, grid.inverse_depth(d)))
         for (int y = 0; y < grid.height; ++y) {
           int& bound = nearest[static_cast<size_t>(y)];
@@ -250,6 +264,54 @@ int drop_unseen(const PanoramaGrid& grid, const std::vector<UprightFrame>& frame
   int total = 0;
   for (int k : kept) total += k;
   return total;
+}
+
+int gap_steps(const PanoramaGrid& grid, const LayersOptions& options) {
+  return static_cast<int>(std::clamp(std::ceil(parallax_steps(grid, options.gap_px)), 1.0, 1.0 * kLabelSteps));
+}
+
+namespace {
+
+// The background met last while walking along a row through wanted pixels.
+struct Continued {
+  int disparity = -1, distance = 0;
+  void step(uint8_t want, int surface) {
+    if (want == kBoundary)
+      disparity = surface, distance = 0;
+    else if (want == kWanted && disparity >= 0)
+      ++distance;
+    else
+      disparity = -1;
+  }
+};
+
+// Between the backgrounds of both sides by distance; -1 = there is none.
+int between(const Continued& a, const Continued& b) {
+  if (a.disparity < 0 || b.disparity < 0) return std::max(a.disparity, b.disparity);
+  if (std::abs(a.disparity - b.disparity) > kLabelSteps) return a.distance <= b.distance ? a.disparity : b.disparity;
+  return (a.disparity * b.distance + b.disparity * a.distance) / std::max(1, a.distance + b.distance);
+}
+
+}  // namespace
+
+void continue_background(const Plane<uint8_t>& want, const DisparityMap& surface, int gap, DisparityMap& layer) {
+  std::vector<Continued> from_right(static_cast<size_t>(layer.width));
+  for (int y = 0; y < layer.height; ++y) {
+    Continued walk;
+    for (int x = layer.width - 1; x >= 0; --x) {
+      walk.step(want.at(x, y), surface.at(x, y));
+      from_right[static_cast<size_t>(x)] = walk;
+    }
+    walk = {};
+    for (int x = 0; x < layer.width; ++x) {
+      walk.step(want.at(x, y), surface.at(x, y));
+      if (want.at(x, y) != kWanted) continue;
+      const int d = between(walk, from_right[static_cast<size_t>(x)]);
+      uint16_t& out = layer.at(x, y);
+      const bool agrees = out == kNoDisparity || std::abs(out - d) <= kLabelSteps;
+      if (d >= 0 && d + gap <= surface.at(x, y) && agrees) out = static_cast<uint16_t>(d);
+    }
+  }
 }
 
 void BoundaryCosts::read(const Window& window, uint8_t* cost, uint8_t* median) const {

@@ -21,10 +21,13 @@
 namespace ldp {
 
 struct LayersOptions {
-  int shrink = 2;                  // resolution of visibility maps, in upright pixels
-  double tolerance_labels = 0.75;  // a surface hides what lies further behind it than this
-  double connect_labels = 1.25;    // neighbours closer than this in disparity belong to one surface
-  double gap_labels = 1.0;         // a layer behind starts at least so far behind the one in front
+  int shrink = 1;                 // resolution of visibility maps, in upright pixels
+  double tolerance_labels = 0.4;  // a surface hides what lies further behind it than this
+  // Neighbours belong to one surface while their inverse depths differ by less than this share of themselves (a surface
+  // seen at a grazing angle) plus this parallax over one arc radius.
+  double connect_share = 0.02;
+  double connect_px = 3;
+  double gap_px = 2;  // a layer behind shows at least so much parallax against the front over one arc radius
 };
 
 constexpr int kLabelSteps = kDisparitySteps / (kLabels - 1);  // disparity steps of one label of 16
@@ -42,6 +45,13 @@ enum Want : uint8_t { kUnwanted = 0, kWanted = 1, kBoundary = 2 };
 Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front,
                              const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
                              const LayersOptions& options, const Job& job);
+
+// Disparity steps of `gap_px`.
+int gap_steps(const PanoramaGrid& grid, const LayersOptions& options);
+
+// Continues the background into wanted pixels, row by row from their kBoundary neighbours, where the layer is absent or
+// agrees with it to a label. (Labels are coarse where the range is long; the background's own disparity is not.)
+void continue_background(const Plane<uint8_t>& want, const DisparityMap& surface, int gap, DisparityMap& layer);
 
 // Removes from `layer` what no camera sees (pixels become kNoDisparity) and returns the number of pixels kept.
 int drop_unseen(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames,
