@@ -30,12 +30,14 @@ float code_step(const PanoramaGrid& grid, const DepthCodes& depth, int x, int y)
 
 struct PreparedLayer {
   MeshLayer mesh;
-  Plane<float> step;  // difference of inverse depth between neighbouring codes
+  Plane<float> code_w;  // inverse depth exactly as coded, for telling surfaces apart
+  Plane<float> step;    // difference of inverse depth between neighbouring codes
 };
 
 PreparedLayer prepare_layer(const PanoramaGrid& grid, const Layer& layer) {
   const int columns = grid.wraps ? grid.width + 1 : grid.width;
   PreparedLayer prepared{{Plane<float>(columns, grid.height, kAbsent), Plane<Rgba>(columns, grid.height)},
+                         {},
                          Plane<float>(columns, grid.height)};
   for (int y = 0; y < grid.height; ++y)
     for (int column = 0; column < columns; ++column) {
@@ -46,12 +48,81 @@ PreparedLayer prepare_layer(const PanoramaGrid& grid, const Layer& layer) {
       prepared.mesh.colour.at(column, y) = pack(layer.colour.at(x, y), alpha);
       prepared.step.at(column, y) = code_step(grid, layer.depth, x, y);
     }
+  prepared.code_w = prepared.mesh.w;
   return prepared;
 }
 
+// Whether two pixels whose codes stand for inverse depths a and b are of one surface.
+bool connected(float a, float a_step, float b, float b_step, float parallax) {
+  if (a < 0 || b < 0) return false;
+  return std::abs(a - b) <= 0.51F * (a_step + b_step) + kSlant * std::max(a, b) + parallax;
+}
+
+// Takes the steps out of coarsely coded surfaces (a block that an edge crosses has one range for both sides): every
+// pixel moves towards the mean of its neighbours on the same surface, finely coded ones counting more, but no farther
+// than its code's rounding allows.
+class CodeSmoother {
+ public:
+  CodeSmoother(PreparedLayer& layer, float parallax) : layer_(layer), w_(layer.mesh.w), parallax_(parallax) {
+    constexpr float kFine = 0.1F;  // share of the tear threshold's parallax below which steps do not show
+    for (int y = 0; y < w_.height; ++y)
+      for (int x = 0; x < w_.width; ++x)
+        if (w_.at(x, y) >= 0 && layer.step.at(x, y) > kFine * parallax) add(x, y);
+  }
+
+  void run() {
+    constexpr int kSweeps = 4;  // there and back each
+    for (int i = 0; i < kSweeps; ++i) {
+      for (auto pixel = pixels_.begin(); pixel != pixels_.end(); ++pixel) relax(*pixel);
+      for (auto pixel = pixels_.rbegin(); pixel != pixels_.rend(); ++pixel) relax(*pixel);
+    }
+  }
+
+ private:
+  struct Pixel {
+    size_t index;
+    float weight[4];  // of the left, right, upper and lower neighbour; they sum to 1
+  };
+
+  void add(int x, int y) {
+    constexpr std::array<std::array<int, 2>, 4> kNeighbours = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
+    Pixel pixel{w_.index(x, y), {}};
+    float sum = 0;
+    for (size_t k = 0; k < 4; ++k) {
+      const int nx = x + kNeighbours[k][0], ny = y + kNeighbours[k][1];
+      if (!w_.contains(nx, ny)) continue;
+      const size_t n = w_.index(nx, ny);
+      if (!connected(layer_.code_w.samples[pixel.index], layer_.step.samples[pixel.index], layer_.code_w.samples[n],
+                     layer_.step.samples[n], parallax_))
+        continue;
+      pixel.weight[k] = 1 / (layer_.step.samples[n] + 0.1F * parallax_);
+      sum += pixel.weight[k];
+    }
+    if (sum <= 0) return;
+    for (float& weight : pixel.weight) weight /= sum;
+    pixels_.push_back(pixel);
+  }
+
+  void relax(const Pixel& pixel) {
+    const std::ptrdiff_t offsets[4] = {-1, 1, -w_.width, w_.width};
+    float mean = 0;
+    for (size_t k = 0; k < 4; ++k)
+      if (pixel.weight[k] > 0)
+        mean +=
+            pixel.weight[k] * w_.samples[static_cast<size_t>(static_cast<std::ptrdiff_t>(pixel.index) + offsets[k])];
+    const float code = layer_.code_w.samples[pixel.index], half = 0.5F * layer_.step.samples[pixel.index];
+    w_.samples[pixel.index] = std::max(0.0F, std::clamp(mean, code - half, code + half));
+  }
+
+  PreparedLayer& layer_;
+  Plane<float>& w_;
+  float parallax_;
+  std::vector<Pixel> pixels_;
+};
+
 // One corner of a quad in one layer.
 struct Corner {
-  float w = kAbsent, step = 0;
+  float w = kAbsent, code_w = kAbsent, step = 0;
   Rgba colour = 0;
   bool present() const { return w >= 0; }
 };
@@ -70,28 +141,29 @@ class Builder {
   Corner corner(int layer, int x, int y) const;
   std::array<int, 4> group(const Corners& corners) const;
   bool connected(const Corner& a, const Corner& b) const {
-    if (!a.present() || !b.present()) return false;
-    return std::abs(a.w - b.w) <= 0.51F * (a.step + b.step) + kSlant * std::max(a.w, b.w) + parallax_;
+    return render::connected(a.code_w, a.step, b.code_w, b.step, parallax_);
   }
 
   const PanoramaGrid& grid_;
   std::vector<PreparedLayer> layers_;
-  float parallax_;
+  float parallax_ = 0;
 };
 
 Builder::Builder(const LayeredPanorama& panorama) : grid_(panorama.grid) {
+  const double radius = grid_.arc.radius > 0 ? grid_.arc.radius : 1;
+  parallax_ = static_cast<float>(kParallaxPx * grid_.v_pitch / radius);
   for (size_t i = 0; i < panorama.layers.size(); ++i) {
     check(panorama.layers[i], grid_, i);
     layers_.push_back(prepare_layer(grid_, panorama.layers[i]));
+    // With one range for all, neighbouring codes are as often two surfaces as one.
+    if (panorama.layers[i].depth.block_px != 0) CodeSmoother(layers_.back(), parallax_).run();
   }
-  const double radius = grid_.arc.radius > 0 ? grid_.arc.radius : 1;
-  parallax_ = static_cast<float>(kParallaxPx * grid_.v_pitch / radius);
 }
 
 Corner Builder::corner(int layer, int x, int y) const {
   const PreparedLayer& from = layers_[static_cast<size_t>(layer)];
   const size_t i = from.step.index(x, y);
-  return {from.mesh.w.samples[i], from.step.samples[i], from.mesh.colour.samples[i]};
+  return {from.mesh.w.samples[i], from.code_w.samples[i], from.step.samples[i], from.mesh.colour.samples[i]};
 }
 
 // Surfaces of a quad: the index of a corner's surface is its first corner's; -1 = absent.

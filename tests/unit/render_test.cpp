@@ -174,6 +174,22 @@ TEST_P(RenderOfBothRays, keeps_its_surface_whole_when_sixteen_uniform_codes_make
   EXPECT_EQ(holes(view), 0);
 }
 
+TEST(Render, takes_the_steps_out_of_a_slanted_surface_in_blocks_that_an_edge_crosses) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
+  const auto slanted = [](double theta, double v) { return 0.5 + 0.3 * theta + 0.1 * v; };
+  const auto w = [&](double theta, double v) { return in_square(theta, v) ? 1.9 : slanted(theta, v); };
+  const Camera camera = make_camera(grid, 0, {0.6, 0, 0});
+  const View view = Renderer(one_layer(grid, w, smooth_colour, 16)).render(camera, with_depth());
+  double mean = 0;
+  for (int x = 25; x < 95; ++x) {
+    const double theta = -std::atan((x + 0.5 - 60) / 100), v = 0.215 / std::cos(theta);  // just above the square
+    const int y = static_cast<int>(45 - 100 * 0.215);
+    const double depth = view.depth.at(x, y) / std::cos(theta);
+    mean += std::abs(1 / depth - slanted(theta, v)) / 70;
+  }
+  EXPECT_LT(mean, 0.022);  // without: 0.026
+}
+
 TEST_P(RenderOfBothRays, closes_the_full_circle_without_a_seam) {
   const PanoramaGrid grid = make_grid(GetParam(), true);
   const auto colour = [](double theta, double v) { return smooth_colour(std::remainder(theta, 2 * kPi), v); };
