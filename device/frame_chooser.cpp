@@ -153,7 +153,7 @@ Guidance FrameChooser::guidance() const {
   const double height = first_ ? first_->height : 1;
   if (full_) {
     guidance.advice = Advice::done;
-  } else if (brightness_ < kDark) {
+  } else if (frames_ > 0 && brightness_ < kDark) {
     guidance.advice = Advice::too_dark;
   } else if (speed_ > blur_limit_ || outruns_camera) {
     guidance.advice = Advice::slower;

@@ -1,0 +1,92 @@
+# What the tests inside the virtual machine share: a button of gpio-sim, the service, and checks that name what is wrong.
+set -u
+out=/tmp/out
+said=/tmp/said
+mkdir -p /tmp
+
+fail() {
+  echo "FAILED: $*"
+  echo "--- the service said:"
+  tail -n 30 "$said" 2>/dev/null
+  dmesg | tail -n 5
+  exit 1
+}
+
+make_button() {
+  local chip=/sys/kernel/config/gpio-sim/box
+  mkdir -p "$chip/bank0/line0" "$chip/bank0/line1"
+  echo 4 >"$chip/bank0/num_lines"
+  echo capture-button >"$chip/bank0/line0/name"
+  echo capture-led >"$chip/bank0/line1/name"
+  echo 1 >"$chip/live" || fail "gpio-sim does not go live"
+  pull=$(echo /sys/devices/platform/gpio-sim.*/gpiochip*/sim_gpio0/pull)
+  led=$(echo /sys/devices/platform/gpio-sim.*/gpiochip*/sim_gpio1/value)
+  echo pull-down >"$pull"
+}
+
+press() { echo pull-up >"$pull"; }
+release() { echo pull-down >"$pull"; }
+
+# A contact that bounces to pull-up or pull-down: so many milliseconds between edges, in one process to be in time.
+bounce_to() {
+  python3 - "$pull" "$1" "$2" <<'BOUNCE'
+import sys, time
+path, target, gap_ms = sys.argv[1], sys.argv[2], float(sys.argv[3])
+other = "pull-down" if target == "pull-up" else "pull-up"
+for level in [target, other] * 3 + [target]:
+    with open(path, "w") as pull:
+        pull.write(level)
+    time.sleep(gap_ms / 1000)
+BOUNCE
+}
+
+# The stand-in for the build lists the frames into the panorama's file.
+configure() {
+  cat >/tmp/build <<'BUILD'
+#!/bin/bash
+capture=$2
+echo "0.5 poses" >&3
+sleep "${BUILD_SECONDS:-0}"
+while [ $# -gt 0 ]; do [ "$1" = -o ] && ls "$capture" >"$2"; shift; done
+BUILD
+  chmod +x /tmp/build
+  { printf '[build]\nprogram = "/tmp/build"\n[sweep]\n'; printf '%s\n' "$@"; } >/tmp/ldpd.toml
+}
+
+start_service() {
+  : >"$said"
+  ldpd --config /tmp/ldpd.toml --button 'gpiod:name=capture-button?debounce_ms=50' --output "$out" --status console: \
+    --status led:name=capture-led "$@" 2>>"$said" &
+  service=$!
+  await "ready"
+}
+
+await() {
+  local until=$((SECONDS + 40))
+  until grep -q "$1" "$said"; do
+    [ "$SECONDS" -lt "$until" ] || fail "it never said '$1'"
+    kill -0 "$service" 2>/dev/null || fail "the service died before it said '$1'"
+    sleep 0.3
+  done
+}
+
+forget() { : >"$said"; }
+
+frames_in() { find "$1" -name 'frame_*.jpg' | wc -l; }
+
+expect_capture() {
+  local folder=$1 least=$2
+  [ "$(frames_in "$folder")" -ge "$least" ] || fail "$folder holds $(frames_in "$folder") frames, expected $least or more"
+  for frame in "$folder"/frame_*.jpg; do
+    [ "$(tail -c 2 "$frame" | od -An -tx1 | tr -d ' ')" = ffd9 ] || fail "$frame is not whole"
+  done
+  grep -q '"frames"' "$folder/capture.json" || fail "$folder has no capture.json"
+  [ -z "$(find "$out" -name '*.tmp')" ] || fail "temporary files are left"
+}
+
+expect_running() { kill -0 "$service" 2>/dev/null || fail "the service is not running any more"; }
+
+stop_service() {
+  kill -TERM "$service"
+  wait "$service" || fail "the service ended with status $?"
+}

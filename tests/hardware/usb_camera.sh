@@ -1,0 +1,68 @@
+#!/bin/bash
+# A USB camera on the stock uvcvideo driver that shows the frames of a synthetic sweep: what is stored is byte by byte
+# what the camera sent; pulled out in mid-sweep, what was taken is built.
+. "$(dirname "$0")/common.sh"
+frames=$1
+some_frames='sweep: \([4-9]\|[1-9][0-9]\) frames'
+
+plug() {
+  python3 "$(dirname "$0")/usb_camera.py" "$frames" "$1" "$2" 2>/tmp/camera.log &
+  camera=$!
+  local tries=0
+  until [ -e /dev/video0 ]; do
+    tries=$((tries + 1))
+    [ "$tries" -lt 150 ] || fail "uvcvideo does not find the camera: $(cat /tmp/camera.log)"
+    sleep 0.1
+  done
+}
+
+# Every stored frame is one of the camera's, and they come in its order.
+expect_camera_frames() {
+  python3 - "$1" "$frames" <<'CHECK' || fail "$1 does not hold the camera's frames"
+import glob, sys
+stored, sent = ([open(name, "rb").read() for name in sorted(glob.glob(folder + "/frame_*.jpg"))] for folder in sys.argv[1:3])
+order = [sent.index(frame) for frame in stored]
+sys.exit(0 if order == sorted(set(order)) else str(order))
+CHECK
+}
+
+make_button
+configure 'min_frames = 3' 'lost_after_seconds = 5'
+plug 4 4
+start_service --camera v4l2:/dev/video0
+
+echo "the frames of a sweep arrive byte by byte"
+count=$(frames_in "$frames")
+press
+await "capturing: turn"
+await "sweep: \($((count - 1))\|$count\) frames"
+sleep 2
+release
+await "sweep_000001.ldp is ready"
+expect_capture "$out/sweep_000001" "$count"
+expect_camera_frames "$out/sweep_000001"
+grep -q "Simulated USB camera" "$out/sweep_000001/capture.json" || fail "the camera's name is missing"
+grep -q '"pixel_format": "mjpeg"' "$out/sweep_000001/capture.json" || fail "not MJPEG"
+
+echo "the plug is pulled in mid-sweep"
+forget
+press
+await "$some_frames"
+kill -9 "$camera"
+await "storing"
+release
+await "sweep_000002.ldp is ready"
+expect_camera_frames "$out/sweep_000002"
+expect_running
+
+echo "plugged in again"
+while [ -e /dev/video0 ]; do sleep 0.1; done
+plug 4 4
+forget
+press
+await "$some_frames"
+release
+await "sweep_000003.ldp is ready"
+expect_camera_frames "$out/sweep_000003"
+stop_service
+echo "all good"
