@@ -1,4 +1,5 @@
 #include "depth_problem.h"
+#include "kept_costs.h"
 #include "solve.h"
 #include "windows.h"
 
@@ -6,7 +7,8 @@ namespace ldp {
 
 Labelling solve_depth(const CostSource& costs, const Plane<uint8_t>& mask, const SolveOptions& options,
                       const Job& job) {
-  const DepthProblem problem(costs, mask, options);
+  const KeptCosts kept(costs, options.memory_bytes, job);
+  const DepthProblem problem(kept, mask, options);
   WindowSolve solve = solve_windows(problem.source(), problem.smoothness(),
                                     {options.core_px, options.margin_px, options.iterations, options.passes}, job);
   const double grey_levels = problem.grey_levels_per_unit();
@@ -16,7 +18,7 @@ Labelling solve_depth(const CostSource& costs, const Plane<uint8_t>& mask, const
   result.report.smoothness_energy = static_cast<double>(solve.final.smoothness) * grey_levels;
   result.report.initial_energy = static_cast<double>(solve.initial.total()) * grey_levels;
   result.report.passes = solve.passes;
-  result.report.peak_bytes = solve.peak_bytes;
+  result.report.peak_bytes = solve.peak_bytes + kept.bytes();
   return result;
 }
 

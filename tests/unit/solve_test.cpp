@@ -100,15 +100,16 @@ TEST(Solve, reports_the_energy_of_the_formula) {
 
 TEST(Solve, finds_the_best_of_all_labellings_of_small_problems_or_nearly) {
   int best_found = 0, problems = 0;
-  for (unsigned seed = 0; seed < 20; ++seed) {
+  for (unsigned seed = 0; seed < 16; ++seed) {
     const bool ring = seed % 2 == 1;
-    const ArrayCosts costs = random_costs(ring ? 6 : 4, ring ? 2 : 3, 3, ring, seed, 24, 80);
+    const ArrayCosts costs = random_costs(ring ? 5 : seed == 0 ? 4 : 3, ring ? 2 : 3, 3, ring, seed, 24, 80);
+    const int nodes = costs.width() * costs.height(), labellings = static_cast<int>(std::lround(std::pow(3, nodes)));
     SolveOptions options;
     const double found = formula_energy(costs, solve_depth(costs, {}, options, {}).labels, {}, options);
     double least = 1e9;
     Plane<uint8_t> labels(costs.width(), costs.height());
-    for (int code = 0; code < 531441; ++code) {
-      for (int rest = code, i = 0; i < 12; ++i, rest /= 3)
+    for (int code = 0; code < labellings; ++code) {
+      for (int rest = code, i = 0; i < nodes; ++i, rest /= 3)
         labels.samples[static_cast<size_t>(i)] = static_cast<uint8_t>(rest % 3);
       least = std::min(least, formula_energy(costs, labels, {}, options));
     }
@@ -116,7 +117,7 @@ TEST(Solve, finds_the_best_of_all_labellings_of_small_problems_or_nearly) {
     best_found += found <= least * 1.002 + 0.01;
     ++problems;
   }
-  EXPECT_GE(best_found, problems * 9 / 10);
+  EXPECT_GE(best_found, problems - 1);
 }
 
 TEST(Solve, gives_the_same_bytes_at_any_thread_count) {
@@ -128,6 +129,18 @@ TEST(Solve, gives_the_same_bytes_at_any_thread_count) {
     const Labelling many = solve_depth(costs, {}, options, on_threads(threads));
     EXPECT_EQ(many.labels, one.labels);
     EXPECT_EQ(total(many.report), total(one.report));
+  }
+}
+
+TEST(Solve, gives_the_same_bytes_whatever_memory_it_may_keep_costs_in) {
+  const ArrayCosts costs = random_costs(150, 90, 12, true, 6);
+  SolveOptions options;
+  const Labelling none = solve_depth(costs, {}, options, {});
+  for (const size_t columns : {7U, 100U, 150U, 1000U}) {
+    options.memory_bytes = columns * 90 * 12 * 2;
+    const Labelling kept = solve_depth(costs, {}, options, {});
+    EXPECT_EQ(kept.labels, none.labels);
+    EXPECT_EQ(kept.report.peak_bytes - none.report.peak_bytes, std::min<size_t>(columns, 150) * 90 * 12 * 2);
   }
 }
 
@@ -269,6 +282,91 @@ TEST(Expansion, a_move_is_the_least_of_all_cuts_and_never_raises_the_energy) {
     const int64_t old_energy = energy_of(before, smoothness).total(), new_energy = energy_of(grid, smoothness).total();
     EXPECT_EQ(changed, new_energy < old_energy) << "seed " << seed;
     EXPECT_LE(new_energy, old_energy);
+  }
+}
+
+// What a message is: for each slot of q the least over the slots of p, in full.
+std::vector<int> plain_message(const LabelGrid& grid, const Smoothness& smoothness, int p, int direction, bool halve) {
+  std::vector<int> belief(kSlots), out(kSlots, 1 << 20);
+  for (int a = 0; a < kSlots; ++a) {
+    belief[static_cast<size_t>(a)] = grid.costs(p)[a];
+    for (int d = 0; d < 4; ++d) belief[static_cast<size_t>(a)] += grid.messages(p, d)[a];
+  }
+  const int least = *std::min_element(belief.begin(), belief.end());
+  for (int a = 0; a < kSlots; ++a) {
+    int& rest = belief[static_cast<size_t>(a)];
+    rest = (halve ? (rest - least) / 2 : rest - least) - grid.messages(p, direction)[a];
+  }
+  const int floor = *std::min_element(belief.begin(), belief.end());
+  const int q = p + grid.stride(direction), factor = grid.factor(p, direction);
+  for (int a = 0; a < kSlots; ++a)
+    for (int b = 0; b < kSlots; ++b)
+      out[static_cast<size_t>(b)] =
+          std::min(out[static_cast<size_t>(b)],
+                   belief[static_cast<size_t>(a)] - floor + grid.pair(smoothness, factor, p, a, q, b));
+  return out;
+}
+
+void plain_sweep(LabelGrid& grid, const Smoothness& smoothness, bool forward) {
+  for (int i = 0; i < grid.size(); ++i) {
+    const int p = forward ? i : grid.size() - 1 - i;
+    const bool halve =
+        (grid.factor(p, kDown) && grid.factor(p, kRight)) || (grid.factor(p, kUp) && grid.factor(p, kLeft));
+    for (const int d : {forward ? kDown : kUp, forward ? kRight : kLeft}) {
+      if (grid.factor(p, d) == 0) continue;
+      const auto message = plain_message(grid, smoothness, p, d, halve);
+      std::copy(message.begin(), message.end(), grid.message.begin() + ((p + grid.stride(d)) * 4 + (d ^ 1)) * kSlots);
+    }
+  }
+}
+
+std::vector<const MessageKernels*> all_kernels() {
+  std::vector<const MessageKernels*> kernels = {&base_kernels::kMessageKernels};
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) kernels.push_back(&avx2_kernels::kMessageKernels);
+#endif
+  return kernels;
+}
+
+TEST(MessageKernels, every_instruction_set_gives_the_messages_of_the_plain_loops) {
+  for (const MessageKernels* kernels : all_kernels())
+    for (unsigned seed = 0; seed < 60; ++seed) {
+      const int truncation = 1 + static_cast<int>(seed % 4);
+      const Smoothness smoothness(125 / truncation, seed % 5 == 0 ? 0.0 : 0.01, truncation, 2);
+      const bool positions = seed % 3 == 0;
+      LabelGrid grid = random_grid(6, 5, seed, positions);
+      if (positions)
+        for (int p = 0; p < grid.size(); ++p) std::fill_n(grid.grey.begin() + p * kSlots, kSlots, grid.greys(p)[0]);
+      grid.find_grey_ranges();
+      std::fill(grid.message.begin(), grid.message.end(), uint8_t{0});
+      LabelGrid plain = grid;
+      for (int i = 0; i < 3; ++i)
+        for (const bool forward : {true, false}) {
+          kernels->sweep(grid.kernel_grid(smoothness), forward, 0, grid.width);
+          plain_sweep(plain, smoothness, forward);
+          ASSERT_EQ(grid.message, plain.message) << "seed " << seed << " sweep " << i << forward;
+        }
+    }
+}
+
+TEST(MessageKernels, every_instruction_set_gives_the_same_gains_and_labels) {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const Smoothness smoothness(60, 0.01, 2, 2);
+    const LabelGrid grid = random_grid(6, 5, seed, seed % 3 == 0);
+    std::vector<std::vector<int>> results;
+    for (const MessageKernels* kernels : all_kernels()) {
+      LabelGrid copy = grid;
+      std::vector<int> result;
+      for (int p = 0; p < copy.size(); ++p) {
+        int16_t gain[kSlots];
+        result.push_back(static_cast<int>(kernels->gains(copy.kernel_grid(smoothness), p, gain)));
+        result.insert(result.end(), gain, gain + kSlots);
+      }
+      kernels->decide(copy.kernel_grid(smoothness));
+      result.insert(result.end(), copy.label.begin(), copy.label.end());
+      results.push_back(result);
+    }
+    for (const auto& result : results) EXPECT_EQ(result, results[0]);
   }
 }
 
