@@ -7,19 +7,43 @@
 #include "transforms.h"
 
 namespace ldp {
+namespace {
 
-std::vector<uint8_t> export_as(const std::filesystem::path& file, const LayeredPanorama& panorama,
-                               const ExportOptions& options) {
+enum class Form { jpeg, png, glb, html, json };
+
+Form form_of(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const auto bytes = [](const std::string& text) { return std::vector<uint8_t>(text.begin(), text.end()); };
-  if (extension == ".jpg" || extension == ".jpeg") return export_jpeg(panorama, options);
-  if (extension == ".png") return export_png(panorama);
-  if (extension == ".glb") return export_glb(panorama, options);
-  if (extension == ".html" || extension == ".htm") return bytes(export_html(panorama, options));
-  if (extension == ".json") return bytes(transforms_json(panorama.cameras));
+  if (extension == ".jpg" || extension == ".jpeg") return Form::jpeg;
+  if (extension == ".png") return Form::png;
+  if (extension == ".glb") return Form::glb;
+  if (extension == ".html" || extension == ".htm") return Form::html;
+  if (extension == ".json") return Form::json;
   throw std::runtime_error(file.string() + ": cannot export to '" + extension + "': .jpg, .png, .glb, .html or .json");
+}
+
+std::vector<uint8_t> bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
+
+}  // namespace
+
+void check_export_name(const std::filesystem::path& file) { form_of(file); }
+
+std::vector<uint8_t> export_as(const std::filesystem::path& file, const LayeredPanorama& panorama,
+                               const ExportOptions& options, const Job& job) {
+  switch (form_of(file)) {
+    case Form::jpeg:
+      return export_jpeg(panorama, options);
+    case Form::png:
+      return export_png(panorama);
+    case Form::glb:
+      return export_glb(panorama, options, job);
+    case Form::html:
+      return bytes_of(export_html(panorama, options, job));
+    case Form::json:
+      break;
+  }
+  return bytes_of(transforms_json(panorama.cameras));
 }
 
 }  // namespace ldp

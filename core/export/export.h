@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "job.h"
 #include "panorama.h"
 
 namespace ldp {
@@ -25,11 +26,13 @@ struct ExportOptions {
 
 std::vector<uint8_t> export_jpeg(const LayeredPanorama& panorama, const ExportOptions& options);
 std::vector<uint8_t> export_png(const LayeredPanorama& panorama);
-std::vector<uint8_t> export_glb(const LayeredPanorama& panorama, const ExportOptions& options);
-std::string export_html(const LayeredPanorama& panorama, const ExportOptions& options);
+std::vector<uint8_t> export_glb(const LayeredPanorama& panorama, const ExportOptions& options, const Job& job = {});
+std::string export_html(const LayeredPanorama& panorama, const ExportOptions& options, const Job& job = {});
 
-// By the file's extension, in capitals or not; std::runtime_error that lists the known ones for any other.
+// By the file's extension, in capitals or not; std::runtime_error that lists the known ones for any other, which
+// check_export_name throws before any work is done.
 std::vector<uint8_t> export_as(const std::filesystem::path& file, const LayeredPanorama& panorama,
-                               const ExportOptions& options = {});
+                               const ExportOptions& options = {}, const Job& job = {});
+void check_export_name(const std::filesystem::path& file);
 
 }  // namespace ldp

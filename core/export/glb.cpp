@@ -21,7 +21,7 @@ constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 
 class GlbWriter {
  public:
-  explicit GlbWriter(const LayeredPanorama& panorama) : panorama_(panorama) {
+  GlbWriter(const LayeredPanorama& panorama, const Job& job) : panorama_(panorama), job_(job) {
     json_["asset"] = {{"version", "2.0"}, {"generator", "layered-depth-panorama"}};
     json_["extensionsUsed"] = {"KHR_materials_unlit"};
     json_["scene"] = 0;
@@ -37,7 +37,7 @@ class GlbWriter {
     Json primitives = Json::array();
     for (int begin = 0; begin < panorama_.grid.width; begin += kTexturePx) {
       const int end = std::min(panorama_.grid.width, begin + kTexturePx);
-      const Surface surface = make_surface(panorama_, index, {begin, end, step});
+      const Surface surface = make_surface(panorama_, index, {begin, end, step}, job_);
       if (!surface.triangles.empty()) primitives.push_back(add_part(surface, colour, begin, end, options));
     }
     if (primitives.empty()) return;
@@ -178,32 +178,36 @@ class GlbWriter {
   }
 
   const LayeredPanorama& panorama_;
+  const Job& job_;
   Json json_;
   std::vector<uint8_t> binary_;
 };
 
-size_t triangle_count(const LayeredPanorama& panorama, int step) {
+size_t triangle_count(const LayeredPanorama& panorama, int step, const Job& job) {
   size_t count = 0;
   for (size_t layer = 0; layer < panorama.layers.size(); ++layer)
-    count += make_surface(panorama, layer, {0, panorama.grid.width, step}).triangles.size() / 3;
+    count += make_surface(panorama, layer, {0, panorama.grid.width, step}, job).triangles.size() / 3;
   return count;
 }
 
 // The finest mesh that is not too much for its readers.
-int step_that_fits(const LayeredPanorama& panorama) {
+int step_that_fits(const LayeredPanorama& panorama, const Job& job) {
   constexpr size_t kMostTriangles = 1'500'000;
   constexpr int kCoarsest = 8;
   int step = 1;
-  while (step < kCoarsest && triangle_count(panorama, step) > kMostTriangles) step *= 2;
+  while (step < kCoarsest && triangle_count(panorama, step, job) > kMostTriangles) step *= 2;
   return step;
 }
 
 }  // namespace
 
-std::vector<uint8_t> export_glb(const LayeredPanorama& panorama, const ExportOptions& options) {
-  GlbWriter writer(panorama);
-  const int step = step_that_fits(panorama);
-  for (size_t i = 0; i < panorama.layers.size(); ++i) writer.add_layer(i, step, options);
+std::vector<uint8_t> export_glb(const LayeredPanorama& panorama, const ExportOptions& options, const Job& job) {
+  GlbWriter writer(panorama, job);
+  const int step = step_that_fits(panorama, job);
+  for (size_t i = 0; i < panorama.layers.size(); ++i) {
+    job.report("exporting", static_cast<double>(i) / static_cast<double>(panorama.layers.size()));
+    writer.add_layer(i, step, options);
+  }
   return writer.finish();
 }
 

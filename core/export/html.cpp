@@ -52,9 +52,10 @@ RgbImage colour_part(const LayeredPanorama& panorama, const RgbImage& colour, in
   return part;
 }
 
-nlohmann::ordered_json parts_of(const LayeredPanorama& panorama, const ExportOptions& options) {
+nlohmann::ordered_json parts_of(const LayeredPanorama& panorama, const ExportOptions& options, const Job& job) {
   nlohmann::ordered_json parts = nlohmann::ordered_json::array();
   for (const Layer& layer : panorama.layers) {
+    job.check();
     const RgbImage colour = spread_colour(layer);
     for (int begin = 0; begin < panorama.grid.width; begin += kPartPx) {
       const bool ends = begin + kPartPx >= panorama.grid.width;
@@ -71,7 +72,7 @@ nlohmann::ordered_json parts_of(const LayeredPanorama& panorama, const ExportOpt
 
 }  // namespace
 
-std::string export_html(const LayeredPanorama& panorama, const ExportOptions& options) {
+std::string export_html(const LayeredPanorama& panorama, const ExportOptions& options, const Job& job) {
   const PanoramaGrid& grid = panorama.grid;
   const nlohmann::ordered_json data = {{"width", grid.width},
                                        {"height", grid.height},
@@ -86,7 +87,7 @@ std::string export_html(const LayeredPanorama& panorama, const ExportOptions& op
                                        {"inner", panorama.limits.inner_radius},
                                        {"outer", panorama.limits.outer_radius},
                                        {"rise", panorama.limits.height},
-                                       {"parts", parts_of(panorama, options)}};
+                                       {"parts", parts_of(panorama, options, job)}};
   std::string page = kViewerPage;
   const std::string mark = "@PANORAMA@";
   return page.replace(page.find(mark), mark.size(), data.dump());

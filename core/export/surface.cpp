@@ -24,10 +24,12 @@ class SurfaceMaker {
         height_(panorama.grid.height),
         wraps_(panorama.grid.wraps) {}
 
-  Surface run(int begin, int end) {
+  Surface run(int begin, int end, const Job& job) {
     const int last = wraps_ ? end : std::min(end, width_ - 1);
-    for (int y = 0; y < height_ - 1; y += kLargestCell)
+    for (int y = 0; y < height_ - 1; y += kLargestCell) {
+      job.check();
       for (int x = begin; x < last; x += kLargestCell) split(x, y, kLargestCell, last);
+    }
     return std::move(surface_);
   }
 
@@ -165,8 +167,8 @@ class SurfaceMaker {
 
 }  // namespace
 
-Surface make_surface(const LayeredPanorama& panorama, size_t layer, const SurfacePart& part) {
-  return SurfaceMaker(panorama, panorama.layers[layer], part.step).run(part.begin, part.end);
+Surface make_surface(const LayeredPanorama& panorama, size_t layer, const SurfacePart& part, const Job& job) {
+  return SurfaceMaker(panorama, panorama.layers[layer], part.step).run(part.begin, part.end, job);
 }
 
 RgbImage spread_colour(const Layer& layer) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "job.h"
 #include "panorama.h"
 
 namespace ldp {
@@ -29,7 +30,7 @@ struct SurfacePart {
   int step = 1;
 };
 
-Surface make_surface(const LayeredPanorama& panorama, size_t layer, const SurfacePart& part);
+Surface make_surface(const LayeredPanorama& panorama, size_t layer, const SurfacePart& part, const Job& job = {});
 
 // The layer's colour with absent pixels continued from the nearest present one of their row, so that filtering at
 // silhouettes takes in nothing foreign.

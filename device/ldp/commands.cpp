@@ -54,6 +54,7 @@ void add_commands(Program& program) {
   add_render(program);
   add_info(program);
   add_verify(program);
+  add_export(program);
   add_evaluate(program);
   add_poses(program);
   add_scene(program);

@@ -29,6 +29,7 @@ void add_build(Program& program);
 void add_render(Program& program);
 void add_info(Program& program);
 void add_verify(Program& program);
+void add_export(Program& program);
 void add_evaluate(Program& program);
 void add_poses(Program& program);
 void add_scene(Program& program);

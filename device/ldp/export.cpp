@@ -1,0 +1,56 @@
+// ldp export: an .ldp file in a form that other programs open.
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "commands.h"
+#include "export.h"
+#include "images.h"
+#include "output.h"
+#include "panorama_input.h"
+#include "progress_bar.h"
+
+namespace ldp {
+namespace {
+
+struct ExportCommand {
+  std::string file, output;
+  ExportOptions options;
+};
+
+int run(const ExportCommand& command, const Session& session) {
+  try {
+    check_export_name(command.output);
+  } catch (const std::runtime_error& error) {
+    throw BadInput(error.what());
+  }
+  check_output_file(command.output);
+  std::optional<ProgressBar> bar(session.progress_fd);
+  const Job job = start_job(session, *bar);
+  const LayeredPanorama panorama = read_panorama(command.file, job);
+  const std::vector<uint8_t> exported = export_as(command.output, panorama, command.options, job);
+  job.check();
+  write_file(command.output, exported);
+  bar.reset();
+  if (!session.json) std::printf("%s: %.1f MB\n", command.output.c_str(), static_cast<double>(exported.size()) / 1e6);
+  return kDone;
+}
+
+}  // namespace
+
+void add_export(Program& program) {
+  auto command = std::make_shared<ExportCommand>();
+  CLI::App& app = add_command(program, "export", "A flat panorama, a mesh, a viewer or the cameras, by extension",
+                              [command](const Session& session) { return run(*command, session); });
+  app.add_option("FILE", command->file, "The .ldp file")->required();
+  app.add_option("-o,--output", command->output,
+                 ".jpg or .png: flat panorama; .glb: textured mesh; .html: viewer; .json: cameras as transforms.json")
+      ->required();
+  app.add_option("--quality", command->options.quality, "Of JPEG images")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+}
+
+}  // namespace ldp
