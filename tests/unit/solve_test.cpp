@@ -101,8 +101,8 @@ TEST(Solve, reports_the_energy_of_the_formula) {
 TEST(Solve, finds_the_best_of_all_labellings_of_small_problems_or_nearly) {
   int best_found = 0, problems = 0;
   for (unsigned seed = 0; seed < 16; ++seed) {
-    const bool ring = seed % 2 == 1;
-    const ArrayCosts costs = random_costs(ring ? 5 : seed == 0 ? 4 : 3, ring ? 2 : 3, 3, ring, seed, 24, 80);
+    const bool ring = seed == 1;  // one ring and one open grid of 12 nodes, the others of 9
+    const ArrayCosts costs = random_costs(ring ? 6 : seed == 0 ? 4 : 3, ring ? 2 : 3, 3, ring, seed, 24, 80);
     const int nodes = costs.width() * costs.height(), labellings = static_cast<int>(std::lround(std::pow(3, nodes)));
     SolveOptions options;
     const double found = formula_energy(costs, solve_depth(costs, {}, options, {}).labels, {}, options);
