@@ -152,51 +152,65 @@ class StopCheck : public ceres::IterationCallback {
   const Job& job_;
 };
 
-// The parameters as Ceres wants them: flat blocks.
-struct Blocks {
-  std::vector<std::array<double, 4>> rotations;
-  std::vector<std::array<double, 3>> centres, points;
-  std::array<double, 3> lens{};
-  std::vector<DirectionFrame> frames;
+// The parameters as Ceres wants them: flat blocks. All in one piece of memory, because Ceres goes through blocks in the
+// order of their addresses, and the order of additions decides the last bits of their sums.
+class Blocks {
+ public:
+  Blocks(size_t cameras, size_t points) : cameras_(cameras), values_(7 * cameras + 3 + 3 * points) {}
+
+  double* rotation(size_t camera) { return values_.data() + 4 * camera; }  // quaternion w x y z, camera from world
+  double* centre(size_t camera) { return values_.data() + 4 * cameras_ + 3 * camera; }
+  double* lens() { return values_.data() + 7 * cameras_; }
+  double* point(size_t point) { return values_.data() + 7 * cameras_ + 3 + 3 * point; }
+
+  std::vector<DirectionFrame> frames;  // of the points
+
+ private:
+  size_t cameras_;
+  std::vector<double> values_;
 };
 
 Blocks blocks_of(const Bundle& bundle) {
-  Blocks blocks;
-  for (const Pose& pose : bundle.cameras) {
+  Blocks blocks(bundle.cameras.size(), bundle.points.size());
+  for (size_t i = 0; i < bundle.cameras.size(); ++i) {
+    const Pose& pose = bundle.cameras[i];
     const Eigen::Quaterniond q(Eigen::Matrix3d(pose.world_from_camera.transpose()));
-    blocks.rotations.push_back({q.w(), q.x(), q.y(), q.z()});
-    blocks.centres.push_back({pose.centre.x(), pose.centre.y(), pose.centre.z()});
+    Eigen::Map<Eigen::Vector4d>(blocks.rotation(i), 4) = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+    Eigen::Map<Eigen::Vector3d>(blocks.centre(i), 3) = pose.centre;
   }
-  for (const InversePoint& point : bundle.points) {
+  for (size_t i = 0; i < bundle.points.size(); ++i) {
+    const InversePoint& point = bundle.points[i];
     const Eigen::Vector3d e1 = point.direction.unitOrthogonal();
     blocks.frames.push_back({point.direction, e1, point.direction.cross(e1)});
-    blocks.points.push_back({0, 0, point.inverse_distance});
+    blocks.point(i)[2] = point.inverse_distance;
   }
-  blocks.lens = {std::log(bundle.lens.focal_px), bundle.lens.k1, bundle.lens.k2};
+  Eigen::Map<Eigen::Vector3d>(blocks.lens(), 3) =
+      Eigen::Vector3d(std::log(bundle.lens.focal_px), bundle.lens.k1, bundle.lens.k2);
   return blocks;
 }
 
-void take(const Blocks& blocks, Model model, Bundle& bundle) {
+void take(Blocks& blocks, Model model, Bundle& bundle) {
   for (size_t i = 0; i < bundle.cameras.size(); ++i) {
-    const auto& q = blocks.rotations[i];
+    const double* q = blocks.rotation(i);
     Pose& pose = bundle.cameras[i];
     pose.world_from_camera = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix().transpose();
-    pose.centre = model == Model::free ? Eigen::Vector3d(blocks.centres[i].data())
-                                       : Eigen::Vector3d(pose.world_from_camera.col(2));
+    pose.centre =
+        model == Model::free ? Eigen::Vector3d(blocks.centre(i)) : Eigen::Vector3d(pose.world_from_camera.col(2));
   }
   for (size_t i = 0; i < bundle.points.size(); ++i) {
-    const auto& p = blocks.points[i];
-    const Eigen::Vector3d m = blocks.frames[i].base + p[0] * blocks.frames[i].e1 + p[1] * blocks.frames[i].e2;
+    const double* p = blocks.point(i);
+    const DirectionFrame& frame = blocks.frames[i];
+    const Eigen::Vector3d m = frame.base + p[0] * frame.e1 + p[1] * frame.e2;
     bundle.points[i] = {m.normalized(), model == Model::rotation ? 0 : p[2] / m.norm()};
   }
-  bundle.lens = {std::exp(blocks.lens[0]), blocks.lens[1], blocks.lens[2]};
+  bundle.lens = {std::exp(blocks.lens()[0]), blocks.lens()[1], blocks.lens()[2]};
 }
 
 void add_residuals(const Bundle& bundle, const BundleOptions& options, Blocks& blocks, ceres::Problem& problem) {
   auto* loss = new ceres::CauchyLoss(options.loss_px);
   for (const BundleObservation& o : bundle.observations) {
     const size_t camera = static_cast<size_t>(o.camera), point = static_cast<size_t>(o.point);
-    double *rotation = blocks.rotations[camera].data(), *p = blocks.points[point].data(), *lens = blocks.lens.data();
+    double *rotation = blocks.rotation(camera), *p = blocks.point(point), *lens = blocks.lens();
     const DirectionFrame& frame = blocks.frames[point];
     if (options.model == Model::rotation) {
       problem.AddResidualBlock(new Reprojection<Model::rotation>(o.position_px, frame), loss, rotation, lens, p);
@@ -204,22 +218,22 @@ void add_residuals(const Bundle& bundle, const BundleOptions& options, Blocks& b
       problem.AddResidualBlock(new Reprojection<Model::spherical>(o.position_px, frame), loss, rotation, lens, p);
     } else {
       problem.AddResidualBlock(new Reprojection<Model::free>(o.position_px, frame), loss, rotation,
-                               blocks.centres[camera].data(), lens, p);
+                               blocks.centre(camera), lens, p);
     }
   }
   for (size_t i = 0; i < bundle.cameras.size(); ++i) {
-    double* rotation = blocks.rotations[i].data();
+    double* rotation = blocks.rotation(i);
     if (!problem.HasParameterBlock(rotation)) continue;
     problem.SetManifold(rotation, new ceres::QuaternionManifold);
     if (options.model == Model::free) {
       problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ArcPrior, 3, 4, 3>(new ArcPrior{options.arc_sigma}),
-                               nullptr, rotation, blocks.centres[i].data());
+                               nullptr, rotation, blocks.centre(i));
     }
   }
 }
 
 void add_lens(const Bundle& bundle, const BundleOptions& options, Blocks& blocks, ceres::Problem& problem) {
-  double* lens = blocks.lens.data();
+  double* lens = blocks.lens();
   if (!options.refine_focal && !options.refine_distortion) {
     problem.SetParameterBlockConstant(lens);
     return;
@@ -247,15 +261,15 @@ BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& jo
 
   ceres::Solver::Options solver;
   auto* ordering = new ceres::ParameterBlockOrdering;
-  for (auto& p : blocks.points) {
-    if (problem.HasParameterBlock(p.data())) ordering->AddElementToGroup(p.data(), 0);
+  for (size_t i = 0; i < bundle.points.size(); ++i) {
+    if (problem.HasParameterBlock(blocks.point(i))) ordering->AddElementToGroup(blocks.point(i), 0);
   }
-  for (size_t i = 0; i < blocks.rotations.size(); ++i) {
-    if (!problem.HasParameterBlock(blocks.rotations[i].data())) continue;
-    ordering->AddElementToGroup(blocks.rotations[i].data(), 1);
-    if (options.model == Model::free) ordering->AddElementToGroup(blocks.centres[i].data(), 1);
+  for (size_t i = 0; i < bundle.cameras.size(); ++i) {
+    if (!problem.HasParameterBlock(blocks.rotation(i))) continue;
+    ordering->AddElementToGroup(blocks.rotation(i), 1);
+    if (options.model == Model::free) ordering->AddElementToGroup(blocks.centre(i), 1);
   }
-  ordering->AddElementToGroup(blocks.lens.data(), 1);
+  ordering->AddElementToGroup(blocks.lens(), 1);
   solver.linear_solver_ordering.reset(ordering);
   solver.linear_solver_type = ceres::DENSE_SCHUR;
   solver.num_threads = 1;

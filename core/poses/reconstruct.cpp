@@ -19,7 +19,8 @@ constexpr int kLeastInliers = 12;          // observations that hold a frame in 
 constexpr double kMatched[] = {12, 5, 3};  // tolerances of the rounds on matches, pixels of 800
 constexpr double kFollowed[] = {4, 2};     // and on followed points
 constexpr double kNoArc = 1e3;             // sigma of the arc prior for paths that are none
-constexpr double kEnough = 0.85;           // share of the observations that must fit, else other motion is tried
+constexpr double kBetter = 1.2;            // by so much more must other motion explain to be preferred
+constexpr double kEnough = 0.75;           // share of the observations that must fit, else other motion is tried
 constexpr double kLossOfTolerance = 0.3;
 
 // Frames that hang together by matches, the largest such group; the others are dropped with a reason.
@@ -128,7 +129,8 @@ void try_general_motion(const MatchedSweep& sweep, const std::vector<Track>& tra
   }
   general.tracks =
       place_good(connected(tracks, general.dropped), sweep.pixels(kMatched[2]), false, general.bundle, job);
-  if (observations(general.tracks) <= observations(spherical.tracks)) return;
+  const auto count = [](const Reconstruction& r) { return static_cast<double>(observations(r.tracks)); };
+  if (count(general) < kBetter * count(spherical)) return;
   rounds.forget_the_arc();
   result = std::move(general);
 }

@@ -1,0 +1,393 @@
+#include "poses.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "bundle.h"
+#include "follow.h"
+#include "matches.h"
+#include "picture.h"
+#include "points.h"
+#include "scenes.h"
+#include "spherical.h"
+#include "sweep_path.h"
+
+namespace ldp {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+using testing::HasSubstr;
+
+double uniform(std::mt19937& random, double low, double high) {
+  return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
+}
+
+Eigen::Matrix3d turn(double x_deg, double y_deg, double z_deg) {
+  return (Eigen::AngleAxisd(y_deg * kDegree, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(x_deg * kDegree, Eigen::Vector3d::UnitX()) *
+          Eigen::AngleAxisd(z_deg * kDegree, Eigen::Vector3d::UnitZ()))
+      .toRotationMatrix();
+}
+
+double angle_deg(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  return Eigen::AngleAxisd(Eigen::Matrix3d(a.transpose() * b)).angle() / kDegree;
+}
+
+Features features_of(const std::vector<std::vector<int16_t>>& descriptors) {
+  Features f{100, 100, {}, {}, {}};
+  for (const auto& d : descriptors) {
+    f.positions.emplace_back(f.size(), 2 * f.size());
+    f.sizes.push_back(1);
+    f.descriptors.insert(f.descriptors.end(), d.begin(), d.end());
+  }
+  return f;
+}
+
+std::vector<int16_t> random_descriptor(std::mt19937& random) {
+  std::vector<int16_t> d(kDescriptorLength);
+  for (int16_t& value : d) value = static_cast<int16_t>(random() % 90);
+  return d;
+}
+
+TEST(MatchFeatures, FindsEveryPointAmongItsLikes) {
+  std::mt19937 random(1);
+  std::vector<std::vector<int16_t>> a, b;
+  for (int i = 0; i < 60; ++i) a.push_back(random_descriptor(random));
+  for (int i = 59; i >= 0; --i) {
+    b.push_back(a[static_cast<size_t>(i)]);
+    b.back()[5] = static_cast<int16_t>(b.back()[5] + 3);
+  }
+  const std::vector<Match> matches = match_features(features_of(a), features_of(b), MatchOptions{});
+  ASSERT_EQ(matches.size(), 60U);
+  for (const Match& m : matches) {
+    EXPECT_EQ(m.a + m.b, 59);
+    EXPECT_EQ(m.distance, 9);
+  }
+}
+
+TEST(MatchFeatures, APointWithATwinMatchesNothing) {
+  std::mt19937 random(2);
+  const std::vector<int16_t> one = random_descriptor(random), other = random_descriptor(random);
+  EXPECT_TRUE(match_features(features_of({one}), features_of({one, one, other}), MatchOptions{}).empty());
+}
+
+TEST(BuildTracks, JoinsMatchesAndLeavesOutContradictions) {
+  std::mt19937 random(3);
+  std::vector<std::vector<int16_t>> some;
+  for (int i = 0; i < 5; ++i) some.push_back(random_descriptor(random));
+  const std::vector<Features> features(3, features_of(some));
+  // 0.1 - 1.1 - 2.1 is a track; the poor match 2.1 - 0.4 would put two places of frame 0 into it.
+  const std::vector<Track> tracks =
+      build_tracks(features, {{0, 1, {{1, 1, 5}}}, {1, 2, {{1, 1, 5}}}, {0, 2, {{4, 1, 50}}}});
+  ASSERT_EQ(tracks.size(), 1U);
+  ASSERT_EQ(tracks[0].size(), 3U);
+  for (const Observation& o : tracks[0]) EXPECT_EQ(o.feature, 1);
+}
+
+TEST(TriangulatePoint, FindsNearFarAndInfinitelyFarPoints) {
+  for (const double w : {1.5, 0.3, 0.01, 0.0}) {
+    const InversePoint truth{Eigen::Vector3d(0.3, -0.1, 1).normalized(), w};
+    std::vector<Sighting> sightings;
+    for (int i = -1; i <= 1; ++i) {
+      const Eigen::Vector3d centre(0.2 * i, 0.05, -0.1 * i * i);
+      const Eigen::Matrix3d camera_from_world = turn(2 * i, -8 * i, i);
+      sightings.push_back({camera_from_world, centre, (camera_from_world * truth.seen_from(centre)).hnormalized()});
+    }
+    const auto point = triangulate_point(sightings);
+    ASSERT_TRUE(point.has_value());
+    EXPECT_NEAR(point->inverse_distance, w, 1e-9);
+    EXPECT_LT((point->direction - truth.direction).norm(), 1e-9);
+  }
+}
+
+TEST(TriangulatePoint, LeavesOutTheSightingThatDisagrees) {
+  const InversePoint truth{Eigen::Vector3d::UnitZ(), 0.5};
+  std::vector<Sighting> sightings;
+  for (int i = 0; i < 5; ++i) {
+    const Eigen::Vector3d centre(0.1 * i, 0, 0);
+    sightings.push_back({Eigen::Matrix3d::Identity(), centre, truth.seen_from(centre).hnormalized()});
+  }
+  sightings[2].position.y() += 0.1;
+  std::vector<bool> used;
+  const auto point = triangulate_point_robustly(sightings, 0.01, used);
+  ASSERT_TRUE(point.has_value());
+  EXPECT_EQ(used, (std::vector<bool>{true, true, false, true, true}));
+  EXPECT_NEAR(point->inverse_distance, 0.5, 1e-9);
+}
+
+std::vector<RayPair> spherical_pairs(const Eigen::Matrix3d& b_from_a, double nearest_w, double farthest_w) {
+  std::mt19937 random(4);
+  std::vector<RayPair> pairs;
+  while (pairs.size() < 150) {
+    const double x = uniform(random, -0.5, 0.5), y = uniform(random, -0.4, 0.4);
+    const Eigen::Vector3d a(x, y, 1);
+    const double w = uniform(random, farthest_w, nearest_w);
+    const Eigen::Vector3d b = b_from_a * (a + w * Eigen::Vector3d::UnitZ()) - w * Eigen::Vector3d::UnitZ();
+    if (b.z() > 0.1) pairs.push_back({a.hnormalized(), b.hnormalized()});
+  }
+  return pairs;
+}
+
+TEST(SphericalRotation, IsFoundForNearScenesAndForPureRotation) {
+  const Eigen::Matrix3d truth = turn(1, 12, -2);
+  for (const double near : {0.0, 0.1, 0.6}) {
+    const RelativeRotation found = spherical_rotation(spherical_pairs(truth, near, 0), 0.002);
+    EXPECT_LT(angle_deg(found.b_from_a, truth), 0.05) << "nearest inverse distance " << near;
+  }
+}
+
+TEST(SphericalRotation, BearsAThirdOfWrongPairs) {
+  const Eigen::Matrix3d truth = turn(1, 12, -2);
+  std::vector<RayPair> pairs = spherical_pairs(truth, 0.5, 0);
+  std::mt19937 random(5);
+  for (size_t i = 0; i < pairs.size(); i += 3) {
+    const double x = uniform(random, -0.5, 0.5), y = uniform(random, -0.4, 0.4);
+    pairs[i].b = {x, y};
+  }
+  EXPECT_LT(angle_deg(spherical_rotation(pairs, 0.002).b_from_a, truth), 0.3);
+}
+
+TEST(AverageRotations, ClosesALoopAndIgnoresAFalseEdge) {
+  std::vector<RotationEdge> edges;
+  const Eigen::Matrix3d step = turn(0, 36, 0);  // b_from_a; ten of them are a full turn
+  for (int i = 0; i < 10; ++i) edges.push_back({i, (i + 1) % 10, step, 100});
+  edges.push_back({2, 7, turn(0, 60, 20), 20});
+  std::vector<bool> reached;
+  const std::vector<Eigen::Matrix3d> world = average_rotations(10, 0, edges, reached);
+  for (size_t i = 0; i < 10; ++i) {
+    EXPECT_TRUE(reached[i]);
+    EXPECT_LT(angle_deg(world[(i + 1) % 10].transpose() * world[i], step), 0.5);
+  }
+}
+
+Bundle true_bundle(Model model) {
+  std::mt19937 random(6);
+  Bundle bundle;
+  bundle.lens = {700, 0.02, -0.01};
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Matrix3d r = turn(i % 2, 8.0 * i, 0.5 * (i % 3));
+    const double x = uniform(random, -0.03, 0.03), y = uniform(random, -0.03, 0.03);
+    bundle.cameras.push_back(
+        {r, model == Model::free ? Eigen::Vector3d(r.col(2) + Eigen::Vector3d(x, y, -x)) : Eigen::Vector3d(r.col(2))});
+  }
+  for (int i = 0; i < 400; ++i) {
+    const double azimuth = uniform(random, -20, 76), elevation = uniform(random, -20, 20),
+                 w = uniform(random, 0.05, 0.5);
+    bundle.points.push_back({turn(elevation, azimuth, 0).col(2), model == Model::rotation ? 0 : w});
+    for (int c = 0; c < 8; ++c) {
+      const Projection p = project_point(bundle.cameras[static_cast<size_t>(c)], bundle.lens, bundle.points.back());
+      if (p.in_front && p.position_px.cwiseAbs().maxCoeff() < 400) bundle.observations.push_back({c, i, p.position_px});
+    }
+  }
+  return bundle;
+}
+
+class Adjust : public testing::TestWithParam<Model> {};
+
+TEST_P(Adjust, ReturnsToTheTruthFromADisturbedStart) {
+  const Bundle truth = true_bundle(GetParam());
+  Bundle bundle = truth;
+  bundle.lens = {740, 0, 0};
+  for (size_t i = 0; i < bundle.cameras.size(); ++i) {
+    Pose& p = bundle.cameras[i];
+    p.world_from_camera = p.world_from_camera * turn(0.3, i % 2 == 0 ? 0.5 : -0.5, 0.2);
+    p.centre = p.world_from_camera.col(2);
+  }
+  BundleOptions options;
+  options.model = GetParam();
+  options.refine_distortion = true;
+  options.loss_px = 5;
+  options.arc_sigma = 10;
+  options.most_iterations = 200;
+  EXPECT_TRUE(adjust(bundle, options, Job{}).usable);
+  EXPECT_NEAR(bundle.lens.focal_px, 700, 1);
+  for (size_t i = 1; i < bundle.cameras.size(); ++i) {
+    const Eigen::Matrix3d found = bundle.cameras[i].world_from_camera.transpose() * bundle.cameras[0].world_from_camera;
+    const Eigen::Matrix3d wanted = truth.cameras[i].world_from_camera.transpose() * truth.cameras[0].world_from_camera;
+    EXPECT_LT(angle_deg(found, wanted), 0.1);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryModel, Adjust, testing::Values(Model::rotation, Model::spherical, Model::free),
+                         [](const auto& model) {
+                           return model.param == Model::rotation    ? "rotation"
+                                  : model.param == Model::spherical ? "spherical"
+                                                                    : "free";
+                         });
+
+class Photos : public FrameSource {
+ public:
+  explicit Photos(std::vector<RgbImage> images) : images_(std::move(images)) {}
+  int size() const override { return static_cast<int>(images_.size()); }
+  std::string name(int i) const override { return std::to_string(1000 + i) + ".png"; }
+  RgbImage load(int i) const override { return images_[static_cast<size_t>(i)]; }
+  std::optional<double> focal_hint(int) const override { return std::nullopt; }
+
+ private:
+  std::vector<RgbImage> images_;
+};
+
+struct Rendered {
+  std::vector<Camera> cameras;
+  std::vector<RgbImage> images;
+};
+
+SweepPath short_path(double radius) {
+  SweepPath path;
+  path.frames = 8;
+  path.arc_rad = 70 * kDegree;
+  path.radius = radius;
+  path.width = 400, path.height = 300;
+  path.position_jitter = radius > 0 ? 0.01 : 0;
+  return path;
+}
+
+const Rendered& rendered(double radius) {
+  const auto make = [](double r) {
+    const Scene scene(make_scene("courtyard", 1));
+    Rendered result{sweep_cameras(short_path(r)), {}};
+    for (size_t i = 0; i < result.cameras.size(); ++i) {
+      PictureOptions options;
+      options.noise = 1;
+      options.noise_seed = i;
+      result.images.push_back(take_picture(scene, result.cameras[i], options, Job{}).colour);
+      result.cameras[i].name = std::to_string(1000 + i) + ".png";
+    }
+    return result;
+  };
+  static const Rendered arc = make(0.65), spot = make(0);
+  return radius > 0 ? arc : spot;
+}
+
+bool same_bytes(const Poses& a, const Poses& b) {
+  if (a.cameras.size() != b.cameras.size() || a.points.size() != b.points.size()) return false;
+  for (size_t i = 0; i < a.cameras.size(); ++i) {
+    if (a.cameras[i].pose.centre != b.cameras[i].pose.centre) return false;
+    if (a.cameras[i].pose.world_from_camera != b.cameras[i].pose.world_from_camera) return false;
+    if (a.cameras[i].intrinsics.fx != b.cameras[i].intrinsics.fx) return false;
+  }
+  return true;
+}
+
+const Poses& estimated() {
+  static const Poses poses = estimate_poses(Photos(rendered(0.65).images), PosesOptions{}, Job{});
+  return poses;
+}
+
+TEST(EstimatePoses, PosesEveryFrameOfASyntheticSweep) {
+  const Poses& poses = estimated();
+  ASSERT_EQ(poses.cameras.size(), 8U);
+  EXPECT_EQ(poses.report.motion, Motion::arc);
+  EXPECT_FALSE(poses.report.closed);
+  EXPECT_LT(poses.report.reprojection_px, 1);
+  const std::vector<Camera>& truth = rendered(0.65).cameras;
+  EXPECT_NEAR(poses.cameras[0].intrinsics.fx / truth[0].intrinsics.fx, 1, 0.02);
+  for (size_t i = 1; i < 8; ++i) {
+    const Eigen::Matrix3d found =
+        poses.cameras[i].pose.world_from_camera.transpose() * poses.cameras[0].pose.world_from_camera;
+    const Eigen::Matrix3d wanted = truth[i].pose.world_from_camera.transpose() * truth[0].pose.world_from_camera;
+    EXPECT_LT(angle_deg(found, wanted), 1);
+  }
+}
+
+TEST(EstimatePoses, WorldIsUprightAndOfArmsLength) {
+  double radius = 0;
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (const Camera& camera : estimated().cameras) {
+    up -= camera.pose.world_from_camera.col(1) / 8;
+    radius += camera.pose.centre.norm() / 8;
+  }
+  EXPECT_GT(up.normalized().z(), std::cos(1 * kDegree));
+  EXPECT_NEAR(radius, 0.65, 0.15);
+}
+
+TEST(EstimatePoses, GivesTheSameBytesAtAnyThreadCount) {
+  Job job;
+  job.threads = 3;
+  EXPECT_TRUE(same_bytes(estimated(), estimate_poses(Photos(rendered(0.65).images), PosesOptions{}, job)));
+}
+
+TEST(PoseEstimator, GivesTheSameBytesAsAllFramesAtOnce) {
+  PoseEstimator estimator{PosesOptions{}};
+  const std::vector<RgbImage>& images = rendered(0.65).images;
+  for (size_t i = 0; i < images.size(); ++i) {
+    const FrameNews news = estimator.add_frame(std::to_string(1000 + i) + ".png", images[i], std::nullopt, Job{});
+    EXPECT_GT(news.features, 100);
+    if (i > 0) {
+      EXPECT_GT(news.matches, 30);
+      EXPECT_NEAR(news.shift, 0.17, 0.1);
+    }
+  }
+  EXPECT_TRUE(same_bytes(estimated(), estimator.finish(Job{})));
+}
+
+TEST(EstimatePoses, RecognisesARotationOnTheSpot) {
+  const Poses poses = estimate_poses(Photos(rendered(0).images), PosesOptions{}, Job{});
+  EXPECT_EQ(poses.report.motion, Motion::rotation);
+  EXPECT_EQ(poses.cameras.size(), 8U);
+}
+
+TEST(EstimatePoses, DropsAPhotoOfNothingAndNamesIt) {
+  std::vector<RgbImage> images = rendered(0.65).images;
+  images[3] = RgbImage(400, 300, Rgb{90, 90, 90});
+  const Poses poses = estimate_poses(Photos(images), PosesOptions{}, Job{});
+  EXPECT_EQ(poses.cameras.size(), 7U);
+  EXPECT_FALSE(poses.report.frames[3].posed);
+  EXPECT_THAT(poses.report.frames[3].reason, HasSubstr("no texture"));
+}
+
+TEST(EstimatePoses, DropsAPhotoOfAnotherSizeAndSaysSo) {
+  std::vector<RgbImage> images = rendered(0.65).images;
+  images[7] = RgbImage(300, 400, Rgb{});
+  const Poses poses = estimate_poses(Photos(images), PosesOptions{}, Job{});
+  EXPECT_EQ(poses.cameras.size(), 7U);
+  EXPECT_THAT(poses.report.frames[7].reason, HasSubstr("300x400"));
+}
+
+TEST(EstimatePoses, SaysWhyItIsImpossible) {
+  const std::vector<RgbImage> two(rendered(0.65).images.begin(), rendered(0.65).images.begin() + 2);
+  const auto words = [](const std::vector<RgbImage>& images) {
+    try {
+      estimate_poses(Photos(images), PosesOptions{}, Job{});
+    } catch (const Impossible& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(words(two), HasSubstr("at least 3 photos"));
+  EXPECT_THAT(words(std::vector<RgbImage>(4, RgbImage(200, 150, Rgb{50, 60, 70}))), HasSubstr("connect"));
+}
+
+TEST(EstimatePoses, StopsWhenAsked) {
+  std::stop_source stop;
+  Job job;
+  job.stop = stop.get_token();
+  stop.request_stop();
+  EXPECT_THROW(estimate_poses(Photos(rendered(0.65).images), PosesOptions{}, job), Cancelled);
+}
+
+TEST(Triangulate, FindsPointsAndLeavesGivenCamerasAlone) {
+  const Rendered& r = rendered(0.65);
+  const Poses poses = triangulate(Photos(r.images), r.cameras, PosesOptions{}, Job{});
+  ASSERT_EQ(poses.cameras.size(), 8U);
+  EXPECT_GT(poses.points.size(), 100U);
+  EXPECT_LT(poses.report.reprojection_px, 0.7);
+  for (size_t i = 0; i < 8; ++i) EXPECT_EQ(poses.cameras[i].pose.centre, r.cameras[i].pose.centre);
+}
+
+TEST(Triangulate, NamesFramesWithoutACamera) {
+  const Rendered& r = rendered(0.65);
+  const std::vector<Camera> some(r.cameras.begin(), r.cameras.begin() + 5);
+  const Poses poses = triangulate(Photos(r.images), some, PosesOptions{}, Job{});
+  EXPECT_FALSE(poses.report.frames[6].posed);
+  EXPECT_THAT(poses.report.frames[6].reason, HasSubstr("no camera"));
+  EXPECT_THROW(triangulate(Photos(r.images), {some[0], some[1]}, PosesOptions{}, Job{}), Impossible);
+}
+
+}  // namespace
+}  // namespace ldp
