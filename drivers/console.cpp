@@ -23,10 +23,9 @@ class ConsoleStatus final : public StatusChannel {
   }
 
   void say(const Progress& progress) {
-    const int percent = static_cast<int>(progress.fraction * 100);
-    if (percent / 10 == last_percent_ / 10 && percent >= last_percent_) return;
-    last_percent_ = percent;
-    std::fprintf(stderr, "building %s: %d %% %s\n", progress.capture.c_str(), percent, progress.stage.c_str());
+    if (progress.stage == last_stage_) return;  // a line a stage; every step is for the network
+    last_stage_ = progress.stage;
+    std::fprintf(stderr, "building %s: %s\n", progress.capture.c_str(), progress.stage.c_str());
   }
 
   void say(const Guidance& guidance) {
@@ -39,11 +38,11 @@ class ConsoleStatus final : public StatusChannel {
 
   void say(const Result& result) {
     std::fprintf(stderr, "%s: %s\n", result.ok ? result.file.c_str() : result.capture.c_str(), result.text.c_str());
-    last_percent_ = -1;
+    last_stage_.clear();
   }
 
-  std::string last_status_;
-  int last_percent_ = -1, last_frames_ = -1;
+  std::string last_status_, last_stage_;
+  int last_frames_ = -1;
   Advice last_advice_ = Advice::keep_going;
 };
 

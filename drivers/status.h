@@ -30,7 +30,7 @@ struct Status {
 // How far the build is.
 struct Progress {
   std::string capture, stage;
-  double fraction = 0;  // of the whole build, 0 .. 1
+  double fraction = 0;  // of this stage, 0 .. 1
 };
 
 enum class Advice : uint8_t { keep_going, slower, faster, level, too_dark, turn_back, done };
