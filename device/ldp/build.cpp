@@ -10,7 +10,6 @@
 #include "build_report.h"
 #include "build_setup.h"
 #include "commands.h"
-#include "images.h"
 #include "ldp_file.h"
 #include "output.h"
 #include "progress_bar.h"
@@ -70,7 +69,7 @@ int run(const BuildCommand& command, const Session& session) {
   add_metadata(prepared.notes, result.panorama);
   const std::vector<uint8_t> file = encode_ldp(result.panorama, {command.setup.colour_quality});
   job.check();
-  write_file(command.output, file);
+  write_output(command.output, file);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   nlohmann::ordered_json report = report_json(result.report, result.panorama);
   report["version"] = LDP_VERSION;

@@ -4,11 +4,14 @@
 #include <map>
 #include <numbers>
 
+#include "output.h"
 #include "session.h"
 #include "transforms.h"
 
 namespace ldp {
 namespace {
+
+constexpr int kFewestPhotos = 3;
 
 const std::map<std::string, Rays>& rays_by_name() {
   static const std::map<std::string, Rays> names{{"pushbroom", Rays::pushbroom}, {"central", Rays::central}};
@@ -57,9 +60,15 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
 }
 
 PreparedBuild prepare(const BuildSetup& setup) {
+  if (!setup.cameras.empty()) check_input_file(setup.cameras);
   FolderFramesOptions folder;
   folder.max_pixels = std::llround(setup.megapixels * 1e6);
   PreparedBuild prepared{FolderFrames(setup.capture, folder), read_capture_notes(setup.capture), setup.build};
+  const int photos = prepared.frames.size();
+  if (photos < kFewestPhotos) {
+    throw Impossible(setup.capture + ": " + (photos == 1 ? "one photo" : std::to_string(photos) + " photos") +
+                     " only: a panorama needs at least " + std::to_string(kFewestPhotos) + " of one sweep");
+  }
   BuildOptions& options = prepared.options;
   if (options.near_depth > 0 && options.far_depth > 0 && options.near_depth >= options.far_depth) {
     throw BadInput("--near " + std::to_string(options.near_depth) + ": is not nearer than --far " +

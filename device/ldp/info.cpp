@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "images.h"
 #include "ldp_file.h"
+#include "output.h"
 
 namespace ldp {
 namespace {
@@ -144,6 +145,7 @@ void print_text(const std::string& file, const LdpDescription& description) {
 }
 
 int run(const std::string& file, const Session& session) {
+  check_input_file(file);
   try {
     const MappedFile mapped(file);
     const LdpDescription description = describe_ldp(mapped.bytes());
@@ -153,8 +155,6 @@ int run(const std::string& file, const Session& session) {
       print_text(file, description);
   } catch (const LdpError& error) {
     throw BadInput(file + ": " + error.what() + ": copy the file again, or see ldp verify");
-  } catch (const std::system_error& error) {
-    throw BadInput(error.what());
   }
   return kDone;
 }

@@ -15,7 +15,7 @@ namespace {
 
 // What has to go when the program is cut off. The one piece of state that must be reachable from everywhere.
 struct Registry {
-  std::mutex mutex;
+  std::recursive_mutex mutex;  // a finishing thread may still register and forget
   std::vector<std::filesystem::path> paths;
 };
 
@@ -71,6 +71,9 @@ void Interrupt::wait(const std::stop_token& over) {
   ::sigtimedwait(&set, nullptr, &patience);  // a second Ctrl-C is the end of patience; the destructor's, of everything
   if (!over.stop_requested()) cut_off();
 }
+
+Finishing::Finishing() { registry().mutex.lock(); }
+Finishing::~Finishing() { registry().mutex.unlock(); }
 
 Temporary::Temporary(std::filesystem::path path) : path_(std::move(path)) {
   Registry& all = registry();

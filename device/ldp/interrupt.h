@@ -42,4 +42,13 @@ class Temporary {
   std::filesystem::path path_;
 };
 
+// While one is alive the program is not cut off: for the moment in which a finished result takes its name.
+class Finishing {
+ public:
+  Finishing();
+  ~Finishing();
+  Finishing(const Finishing&) = delete;
+  Finishing& operator=(const Finishing&) = delete;
+};
+
 }  // namespace ldp

@@ -44,6 +44,14 @@ void move_tree(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
+void check_input_file(const fs::path& file) {
+  std::error_code error;
+  if (!fs::exists(file, error)) throw BadInput(file.string() + ": there is no such file: check the name");
+  if (fs::is_directory(file, error)) throw BadInput(file.string() + ": is a folder: give the name of a file");
+  if (::access(file.c_str(), R_OK) != 0)
+    throw BadInput(file.string() + ": cannot be read (" + std::strerror(errno) + "): check its permissions");
+}
+
 void check_output_file(const fs::path& file) {
   std::error_code error;
   if (fs::is_directory(file, error)) throw BadInput(file.string() + ": is a folder: give the name of a file");
@@ -51,8 +59,13 @@ void check_output_file(const fs::path& file) {
   check_folder_takes_files(without_trailing_slash(file).parent_path(), file);
 }
 
+void write_output(const fs::path& file, std::span<const uint8_t> bytes) {
+  const Finishing finishing;
+  write_file(file, bytes);
+}
+
 void write_text(const fs::path& file, const std::string& text) {
-  write_file(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+  write_output(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 
 OutputFolder::OutputFolder(const fs::path& folder, Existing existing) : final_(without_trailing_slash(folder)) {
@@ -83,6 +96,7 @@ OutputFolder::~OutputFolder() {
 }
 
 void OutputFolder::keep() {
+  const Finishing finishing;
   std::error_code error;
   if (!fs::exists(final_, error) || fs::is_empty(final_, error))
     fs::rename(partial_, final_);

@@ -1,18 +1,24 @@
-// Where results go: checked before the work begins, complete or absent afterwards.
+// Where results go and inputs come from: checked before the work begins; results complete or absent afterwards.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 
 namespace ldp {
 
 class Temporary;
 
+// Throws BadInput when there is no such file or it cannot be read.
+void check_input_file(const std::filesystem::path& file);
+
 // Throws BadInput when `file` could not be written: its folder is missing or read-only, or it is a folder itself.
 void check_output_file(const std::filesystem::path& file);
 
-// Writes a whole text file (atomic).
+// Whole files, atomic, not cut off by Ctrl-C.
+void write_output(const std::filesystem::path& file, std::span<const uint8_t> bytes);
 void write_text(const std::filesystem::path& file, const std::string& text);
 
 // A folder of results, filled under a temporary name next to its own. `keep` makes it appear: a new folder by one

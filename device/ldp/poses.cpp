@@ -43,7 +43,7 @@ int run(const PosesCommand& command, const Session& session) {
                           ? estimate_poses(prepared.frames, prepared.options.poses, job)
                           : triangulate(prepared.frames, prepared.options.cameras, prepared.options.poses, job);
   job.check();
-  if (!command.output.empty()) write_transforms(command.output, poses.cameras);
+  if (!command.output.empty()) write_text(command.output, transforms_json(poses.cameras));
   bar.reset();
   if (session.json)
     std::printf("%s\n", poses_json(poses.report).dump(1).c_str());

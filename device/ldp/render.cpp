@@ -104,6 +104,8 @@ Totals render_film(const RenderCommand& command, const Renderer& renderer, const
 void check(const RenderCommand& command) {
   if (command.cameras.empty() == command.path.empty())
     throw BadInput("give either --cameras FILE or --path sway|walk|dolly");
+  check_input_file(command.panorama);
+  if (!command.cameras.empty()) check_input_file(command.cameras);
   if (is_film(command.output)) {
     if (command.options.depth) throw BadInput("--depth: a film has no depth: give a folder to -o");
     check_output_file(command.output);

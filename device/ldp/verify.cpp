@@ -9,20 +9,17 @@
 #include "commands.h"
 #include "images.h"
 #include "ldp_file.h"
+#include "output.h"
 #include "progress_bar.h"
 
 namespace ldp {
 namespace {
 
 int run(const std::string& file, const Session& session) {
+  check_input_file(file);
   std::optional<ProgressBar> bar(session.progress_fd);
-  std::vector<std::string> damages;
-  try {
-    const MappedFile mapped(file);
-    damages = verify_ldp(mapped.bytes(), start_job(session, *bar));
-  } catch (const std::system_error& error) {
-    throw BadInput(error.what());
-  }
+  const MappedFile mapped(file);
+  const std::vector<std::string> damages = verify_ldp(mapped.bytes(), start_job(session, *bar));
   bar.reset();
   if (session.json) {
     const nlohmann::ordered_json json{{"file", file}, {"sound", damages.empty()}, {"damages", damages}};

@@ -1,0 +1,254 @@
+// The whole flow through the program `ldp`: a synthetic sweep to a file to views, and every way it can be refused.
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "images.h"
+
+extern char** environ;
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+// Of small pictures, where a pixel is three times as wide as in a real sweep.
+constexpr double kLeastViewPsnr_db = 20;
+constexpr double kMostHoles_percent = 6;
+
+std::string text_of(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+struct Outcome {
+  int status = 0;
+  std::string out, err;
+};
+
+class Running {
+ public:
+  Running(const std::vector<std::string>& words, const fs::path& room) : out_(room / "stdout"), err_(room / "stderr") {
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC;
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out_.c_str(), kFlags, 0600);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err_.c_str(), kFlags, 0600);
+    std::vector<std::string> all{LDP_PROGRAM};
+    all.insert(all.end(), words.begin(), words.end());
+    std::vector<char*> arguments;
+    for (std::string& word : all) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    if (posix_spawn(&pid_, LDP_PROGRAM, &actions, nullptr, arguments.data(), environ) != 0)
+      throw std::runtime_error("cannot start " LDP_PROGRAM);
+    posix_spawn_file_actions_destroy(&actions);
+  }
+  void interrupt() const { ::kill(pid_, SIGINT); }
+  Outcome wait() const {
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out_), text_of(err_)};
+  }
+
+ private:
+  fs::path out_, err_;
+  pid_t pid_ = -1;
+};
+
+class Flow : public testing::Test {
+ protected:
+  void SetUp() override {
+    room_ = fs::path(testing::TempDir()) / ("flow_" + std::to_string(::getpid()));
+    fs::remove_all(room_);
+    fs::create_directories(room_ / "work");
+  }
+  void TearDown() override { fs::remove_all(room_); }
+
+  Outcome ldp(const std::vector<std::string>& words) const { return Running(words, room_).wait(); }
+  std::string path(const std::string& name) const { return (room_ / "work" / name).string(); }
+
+  // Eight small photos over 70 degrees.
+  std::string capture() const {
+    const Outcome made = ldp({"scene", "courtyard", "-o", path("capture"), "--size", "240x180", "--frames", "8",
+                              "--arc", "70", "--jitter-position", "0.005", "--jitter-angle", "0.4"});
+    EXPECT_EQ(made.status, 0) << made.err;
+    return path("capture");
+  }
+  std::string panorama(const std::string& from) const {
+    const Outcome built = ldp({"build", from, "-o", path("a.ldp"), "--cameras", from + "/transforms.json",
+                               "--iterations", "1", "--layers", "2"});
+    EXPECT_EQ(built.status, 0) << built.err;
+    return path("a.ldp");
+  }
+  void photo(const std::string& name, int width = 64, int height = 48) const {
+    fs::create_directories(fs::path(path(name)).parent_path());
+    RgbImage image(width, height);
+    for (size_t i = 0; i < image.samples.size(); ++i) image.samples[i].g = static_cast<uint8_t>(i * 2654435761U >> 7);
+    write_file(path(name), encode_jpeg(image, 90));
+  }
+  // One line that names the command and says where; the right status; nothing left but what was there.
+  void expect_refusal(const std::vector<std::string>& words, int status, const std::string& says) const {
+    const auto before = contents();
+    const Outcome outcome = ldp(words);
+    EXPECT_EQ(outcome.status, status) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(says));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_EQ(outcome.err.rfind("ldp", 0), 0U) << outcome.err;
+    EXPECT_EQ(contents(), before);
+  }
+  std::vector<std::string> contents() const {
+    std::vector<std::string> all;
+    for (const auto& entry : fs::recursive_directory_iterator(room_ / "work")) all.push_back(entry.path().string());
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+
+  fs::path room_;
+};
+
+double psnr_of(const RgbImage& a, const RgbImage& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.samples.size(); ++i) {
+    const Rgb &p = a.samples[i], &q = b.samples[i];
+    for (const int d : {p.r - q.r, p.g - q.g, p.b - q.b}) sum += d * d;
+  }
+  return 10 * std::log10(255.0 * 255.0 * 3.0 * static_cast<double>(a.samples.size()) / sum);
+}
+
+TEST_F(Flow, ASweepBecomesAFileWhoseViewsLookLikeTheScene) {
+  const std::string from = capture();
+  const Outcome built = ldp({"build", from, "-o", path("a.ldp"), "--cameras", from + "/transforms.json", "--report",
+                             path("report.json"), "--json"});
+  ASSERT_EQ(built.status, 0) << built.err;
+  EXPECT_EQ(built.err, "");
+  const auto report = nlohmann::json::parse(text_of(path("report.json")));
+  EXPECT_EQ(report, nlohmann::json::parse(built.out));
+  EXPECT_EQ(report["poses"]["posed"], 8);
+  EXPECT_EQ(report["options"]["layers"], 3);
+  EXPECT_EQ(report["bytes"]["file"], fs::file_size(path("a.ldp")));
+  EXPECT_GT(report["peak_memory_bytes"], 1 << 20);
+  for (const auto& solve : report["solves"]) {
+    EXPECT_LE(solve["data_energy"].get<double>() + solve["smoothness_energy"].get<double>(),
+              solve["initial_energy"].get<double>() + 1e-6)
+        << solve["name"];
+  }
+
+  EXPECT_EQ(ldp({"verify", path("a.ldp")}).status, 0);
+  const Outcome info = ldp({"info", path("a.ldp"), "--json"});
+  EXPECT_EQ(nlohmann::json::parse(info.out)["cameras"].size(), 8U);
+
+  const Outcome rendered = ldp({"render", path("a.ldp"), "--cameras", from + "/novel.json", "-o", path("views"),
+                                "--depth", "--fill", "background", "--json"});
+  ASSERT_EQ(rendered.status, 0) << rendered.err;
+  for (const char* view : {"001", "002"}) {  // on the arc, between photos
+    const RgbImage mine = read_image(path("views/" + std::string(view) + ".png")),
+                   truth = read_image(from + "/novel/" + view + ".png");
+    EXPECT_GT(psnr_of(mine, truth), kLeastViewPsnr_db) << view;
+    EXPECT_TRUE(fs::exists(path("views/" + std::string(view) + ".pfm")));
+  }
+  const Outcome holes =
+      ldp({"render", path("a.ldp"), "--cameras", from + "/transforms.json", "-o", path("seen"), "--json"});
+  EXPECT_LT(nlohmann::json::parse(holes.out)["holes_percent"], kMostHoles_percent);
+}
+
+TEST_F(Flow, TheSameSweepAndBuildGiveTheSameBytesAtAnyThreadCount) {
+  const std::string from = capture();
+  for (const char* threads : {"1", "3"}) {
+    const Outcome built = ldp({"build", from, "-o", path(std::string(threads) + ".ldp"), "--cameras",
+                               from + "/transforms.json", "--iterations", "1", "--layers", "2", "--threads", threads});
+    ASSERT_EQ(built.status, 0) << built.err;
+  }
+  EXPECT_EQ(text_of(path("1.ldp")), text_of(path("3.ldp")));
+}
+
+TEST_F(Flow, RefusesAnEmptyFolderOnePhotoAndNoFolder) {
+  fs::create_directory(path("empty"));
+  photo("one/a.jpg");
+  expect_refusal({"build", path("empty"), "-o", path("a.ldp")}, 2, "no .jpg or .png photos");
+  expect_refusal({"build", path("one"), "-o", path("a.ldp")}, 1, "one photo only");
+  expect_refusal({"build", path("none"), "-o", path("a.ldp")}, 2, "there is no such folder");
+}
+
+TEST_F(Flow, RefusesMixedSizesAndATruncatedPhotoByName) {
+  for (const char* name : {"mixed/a.jpg", "mixed/c.jpg", "cut/a.jpg", "cut/b.jpg", "cut/c.jpg"}) photo(name);
+  photo("mixed/b.jpg", 80, 48);
+  expect_refusal({"build", path("mixed"), "-o", path("a.ldp")}, 2, "b.jpg 80x48");
+  fs::resize_file(path("cut/b.jpg"), fs::file_size(path("cut/b.jpg")) / 2);
+  expect_refusal({"build", path("cut"), "-o", path("a.ldp")}, 2, "b.jpg");
+}
+
+TEST_F(Flow, RefusesAnOutputThatCannotBeWrittenBeforeTheWorkBegins) {
+  photo("photos/a.jpg");
+  expect_refusal({"build", path("photos"), "-o", path("missing/a.ldp")}, 2, "its folder does not exist");
+  expect_refusal({"build", path("photos"), "-o", path("photos")}, 2, "is a folder");
+  if (::geteuid() == 0) GTEST_SKIP() << "read-only folders do not stop the administrator";
+  fs::create_directory(path("locked"));
+  fs::permissions(path("locked"), fs::perms::owner_read | fs::perms::owner_exec);
+  expect_refusal({"build", path("photos"), "-o", path("locked/a.ldp")}, 2, "cannot be written");
+}
+
+TEST_F(Flow, RefusesAPanoramaThatWasCutShortOrChanged) {
+  const std::string file = panorama(capture());
+  fs::copy_file(file, path("cut.ldp"));
+  fs::resize_file(path("cut.ldp"), fs::file_size(file) / 2);
+  expect_refusal({"verify", path("cut.ldp")}, 1, "cut.ldp");
+  expect_refusal({"info", path("cut.ldp")}, 2, "cut.ldp");
+  expect_refusal({"render", path("cut.ldp"), "--cameras", path("capture/novel.json"), "-o", path("views")}, 2,
+                 "cut.ldp");
+  std::vector<uint8_t> bytes = read_file(file);
+  bytes[bytes.size() / 2] ^= 0x10;
+  write_file(path("changed.ldp"), bytes);
+  expect_refusal({"verify", path("changed.ldp")}, 1, "changed.ldp");
+}
+
+TEST_F(Flow, RefusesUnknownWordsAndBadValuesInOneLine) {
+  expect_refusal({}, 2, "ldp --help");
+  expect_refusal({"bild"}, 2, "there is no command 'bild'");
+  expect_refusal({"build", path("x"), "-o", path("a.ldp"), "--labels", "17"}, 2, "--labels");
+  expect_refusal({"build", path("x"), "-o", path("a.ldp"), "--wide"}, 2, "--wide");
+  expect_refusal({"scene", "moon", "-o", path("moon")}, 2, "courtyard");
+  expect_refusal({"scene", "room", "-o", path("room"), "--size", "9x9"}, 2, "--size");
+  expect_refusal({"render", path("none.ldp"), "--path", "sway", "-o", path("views")}, 2, "none.ldp");
+}
+
+TEST_F(Flow, EveryCommandHasHelp) {
+  for (const char* command : {"build", "render", "info", "verify", "evaluate", "poses", "scene"}) {
+    const Outcome help = ldp({command, "--help"});
+    EXPECT_EQ(help.status, 0);
+    EXPECT_THAT(help.out, HasSubstr("Usage:")) << command;
+  }
+}
+
+TEST_F(Flow, CtrlCStopsAtOnceAndLeavesNothing) {
+  const auto before = contents();
+  const Running scene({"scene", "garden", "-o", path("garden"), "--frames", "200"}, room_);
+  // Work has begun when its temporary folder is there.
+  while (contents() == before) std::this_thread::yield();
+  const auto pressed = std::chrono::steady_clock::now();
+  scene.interrupt();
+  const Outcome outcome = scene.wait();
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - pressed;
+  EXPECT_EQ(outcome.status, 130);
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_LT(took.count(), 0.5);  // 0.2 s on an idle machine
+  EXPECT_EQ(contents(), before);
+}
+
+}  // namespace
+}  // namespace ldp

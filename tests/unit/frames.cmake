@@ -1,0 +1,1 @@
+ldp_test(frames_test SOURCES frames_test.cpp USES ldp_frames ldp_images)

@@ -1,0 +1,155 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "folder_frames.h"
+#include "images.h"
+#include "resize.h"
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class FolderFramesTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              ("frames_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void photo(const std::string& name, int width = 40, int height = 30, uint8_t grey = 90) const {
+    const RgbImage image(width, height, {grey, grey, grey});
+    write_file(folder_ / name, name.ends_with("png") ? encode_png(image) : encode_jpeg(image, 90));
+  }
+  void text(const std::string& name, const std::string& content) const {
+    write_file(folder_ / name, {reinterpret_cast<const uint8_t*>(content.data()), content.size()});
+  }
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    const FolderFrames frames(folder_);
+    for (int i = 0; i < frames.size(); ++i) all.push_back(frames.name(i));
+    return all;
+  }
+  std::string refusal() const {
+    try {
+      FolderFrames frames(folder_);
+      for (int i = 0; i < frames.size(); ++i) frames.load(i);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(FolderFramesTest, TakesPhotosOfAnyCaseInNameOrderWithNumbersByValue) {
+  for (const char* name : {"IMG_10.JPG", "IMG_9.jpeg", "IMG_011.png", ".IMG_1.jpg"}) photo(name);
+  text("notes.txt", "not a photo");
+  EXPECT_THAT(names(), ElementsAre("IMG_9.jpeg", "IMG_10.JPG", "IMG_011.png"));
+}
+
+TEST_F(FolderFramesTest, FallsBackToTheSubfolderFrames) {
+  fs::create_directory(folder_ / "frames");
+  photo("frames/b.png");
+  photo("frames/a.png");
+  EXPECT_THAT(names(), ElementsAre("a.png", "b.png"));
+}
+
+TEST_F(FolderFramesTest, SaysThatAFolderIsEmpty) { EXPECT_THAT(refusal(), HasSubstr("no .jpg or .png photos")); }
+
+TEST_F(FolderFramesTest, SaysThatAFolderIsMissing) {
+  fs::remove_all(folder_);
+  EXPECT_THAT(refusal(), HasSubstr("there is no such folder"));
+}
+
+TEST_F(FolderFramesTest, NamesBothPhotosWhenSizesAreMixed) {
+  photo("a.jpg");
+  photo("b.jpg", 41, 30);
+  EXPECT_THAT(refusal(), testing::AllOf(HasSubstr("a.jpg is 40x30"), HasSubstr("b.jpg 41x30")));
+}
+
+TEST_F(FolderFramesTest, NamesATruncatedPhoto) {
+  photo("a.jpg", 400, 300);
+  std::vector<uint8_t> bytes = read_file(folder_ / "a.jpg");
+  bytes.resize(bytes.size() / 2);
+  write_file(folder_ / "b.jpg", bytes);
+  EXPECT_THAT(refusal(), HasSubstr("b.jpg"));
+}
+
+TEST_F(FolderFramesTest, ScalesHugePhotosAndTheirCamerasToTheWorkingSize) {
+  photo("a.jpg", 2000, 1000);
+  const FolderFrames frames(folder_, {200 * 100});
+  EXPECT_EQ(frames.stored_size(), (ImageSize{2000, 1000}));
+  EXPECT_EQ(frames.working_size(), (ImageSize{200, 100}));
+  const RgbImage image = frames.load(0);
+  EXPECT_EQ(image.width, 200);
+  EXPECT_EQ(image.height, 100);
+  EXPECT_NEAR(image.at(100, 50).r, 90, 1);
+  Camera camera;
+  camera.name = "a.jpg";
+  camera.intrinsics = {2000, 1000, 1500, 1500, 1000, 500, 0.1, 0, 0, 0};
+  const std::vector<Camera> fitted = frames.fit({camera});
+  ASSERT_EQ(fitted.size(), 1U);
+  EXPECT_DOUBLE_EQ(fitted[0].intrinsics.fx, 150);
+  EXPECT_DOUBLE_EQ(fitted[0].intrinsics.cy, 50);
+  EXPECT_DOUBLE_EQ(fitted[0].intrinsics.k1, 0.1);
+  EXPECT_EQ(fitted[0].intrinsics.width, 200);
+}
+
+TEST_F(FolderFramesTest, LeavesOutCamerasWithoutAPhotoAndRefusesOtherShapes) {
+  photo("a.jpg");
+  const FolderFrames frames(folder_);
+  Camera camera;
+  camera.intrinsics = {40, 30, 50, 50, 20, 15, 0, 0, 0, 0};
+  camera.name = "elsewhere.jpg";
+  EXPECT_TRUE(frames.fit({camera}).empty());
+  camera.name = "a.jpg";
+  camera.intrinsics.height = 40;
+  EXPECT_THROW(frames.fit({camera}), std::runtime_error);
+}
+
+TEST_F(FolderFramesTest, ReadsWhatTheCaptureSays) {
+  EXPECT_FALSE(read_capture_notes(folder_).arm_length);
+  text("capture.json",
+       R"({"arm_length": 0.7, "device": "board", "begin_utc": "2026-01-01T00:00:00Z", "fov_degrees": 60})");
+  const CaptureNotes notes = read_capture_notes(folder_);
+  EXPECT_EQ(notes.arm_length, 0.7);
+  EXPECT_EQ(notes.device, "board");
+  EXPECT_NEAR(*notes.fov_rad, 1.0472, 1e-4);
+  text("capture.json", "{\"arm_length\":");
+  EXPECT_THROW(read_capture_notes(folder_), std::runtime_error);
+}
+
+TEST(NaturalOrder, ComparesNumbersByValueAndTheRestByLetters) {
+  EXPECT_TRUE(precedes_naturally("frame_9.jpg", "frame_10.jpg"));
+  EXPECT_FALSE(precedes_naturally("frame_10.jpg", "frame_9.jpg"));
+  EXPECT_TRUE(precedes_naturally("a", "b"));
+  EXPECT_TRUE(precedes_naturally("a", "a1"));
+  EXPECT_TRUE(precedes_naturally("a01", "a1") != precedes_naturally("a1", "a01"));
+  EXPECT_FALSE(precedes_naturally("a1", "a1"));
+}
+
+TEST(ResizeByArea, AveragesExactly) {
+  RgbImage image(4, 2);
+  for (int y = 0; y < 2; ++y) {
+    for (int x = 0; x < 4; ++x) image.at(x, y) = {static_cast<uint8_t>(10 * x + 100 * y), 0, 255};
+  }
+  const RgbImage half = resize_by_area(image, 2, 1);
+  EXPECT_EQ(half.at(0, 0), (Rgb{55, 0, 255}));
+  EXPECT_EQ(half.at(1, 0), (Rgb{75, 0, 255}));
+  const RgbImage thirds = resize_by_area(image, 3, 2);  // pixel 0 covers 1 and a third of its source
+  EXPECT_EQ(thirds.at(0, 0).r, 3);                      // (0 * 3 + 10 * 1) / 4 = 2.5
+  EXPECT_THROW(resize_by_area(image, 5, 1), std::logic_error);
+}
+
+}  // namespace
+}  // namespace ldp

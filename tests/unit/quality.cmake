@@ -1,0 +1,1 @@
+ldp_test(quality_test SOURCES quality_test.cpp USES ldp_quality)
