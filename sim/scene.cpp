@@ -62,8 +62,10 @@ Meeting meet_cylinder(const LocalRay& ray, const Vector3d& half, double t_min) {
   const Vector3d &o = ray.origin, &d = ray.direction;
   const double a = d.x() * d.x() + d.y() * d.y(), b = o.x() * d.x() + o.y() * d.y();
   const double c = o.x() * o.x() + o.y() * o.y() - half.x() * half.x(), root = b * b - a * c;
-  if (root < 0) return {};
-  const double side_in = (-b - std::sqrt(root)) / a, side_out = (-b + std::sqrt(root)) / a;
+  if (root < 0 || (a == 0 && c > 0)) return {};
+  // Along the axis the ray never meets the mantle, only the lids.
+  const double side_in = a > 0 ? (-b - std::sqrt(root)) / a : -kNever;
+  const double side_out = a > 0 ? (-b + std::sqrt(root)) / a : kNever;
   const double inverse = 1 / d.z(), lid = (-half.z() - o.z()) * inverse, other_lid = (half.z() - o.z()) * inverse;
   const double lid_in = std::min(lid, other_lid), lid_out = std::max(lid, other_lid);
   const double enter = std::max(side_in, lid_in);

@@ -82,7 +82,7 @@ TEST(Scene, ListsWhatLiesBehindInOrder) {
   description.objects.push_back(at(Shape::cylinder, {2, 0, 0}, {0.1, 0, 1}));
   const std::vector<Hit> hits = Scene(description).hits({{0, 0, 0}, {1, 0, 0}, 0.001}, 9);
   ASSERT_EQ(hits.size(), 4U);
-  EXPECT_DOUBLE_EQ(hits[0].t, 1.9);
+  EXPECT_NEAR(hits[0].t, 1.9, 1e-12);
   EXPECT_DOUBLE_EQ(hits[1].t, 4);
   EXPECT_DOUBLE_EQ(hits[2].t, 8);
   EXPECT_TRUE(std::isinf(hits[3].t));
@@ -137,7 +137,7 @@ TEST(Scene, MovesOnlyTheShareThatWasAskedFor) {
     const SceneDescription later = moved(still, share, 4, 1);
     size_t count = 0;
     for (size_t i = 0; i < still.objects.size(); ++i)
-      count += still.objects[i].centre != later.objects[i].centre ? 1 : 0;
+      count += still.objects[i].centre != later.objects[i].centre ? 1U : 0U;
     return count;
   };
   EXPECT_EQ(moved_count(0), 0U);
