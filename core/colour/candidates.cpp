@@ -17,7 +17,11 @@ constexpr double kBehindCamera = 0.1;  // least forward * w of a voxel worth pro
 SourceCandidates::SourceCandidates(const PanoramaGrid& grid, const DisparityMap& layer,
                                    const std::vector<UprightFrame>& frames,
                                    const std::vector<VisibilityMap>& visibility, const ColourOptions& options)
-    : grid_(grid), layer_(layer), frames_(frames), visibility_(visibility), options_(options) {
+    : grid_(grid),
+      layer_(layer),
+      frames_(frames),
+      visibility_(visibility.empty() ? nullptr : &visibility),
+      options_(options) {
   for (const UprightFrame& frame : frames) projections_.emplace_back(grid, frame.camera);
   facing_.resize(static_cast<size_t>(grid.width));
   for (int x = 0; x < grid.width; ++x) {
@@ -36,8 +40,8 @@ SourceCandidates::Seen SourceCandidates::look(size_t frame, double x_px, double 
   if (!(x_px >= 0.5 && x_px < upright.camera.width - 0.5)) return {};
   const auto column = static_cast<size_t>(x_px);
   if (y_px < upright.valid_begin[column] + 0.5 || y_px >= upright.valid_end[column] - 0.5) return {};
-  if (visibility_.empty() || through) return {true, false};
-  const VisibilityMap& map = visibility_[frame];
+  if (!visibility_ || through) return {true, false};
+  const VisibilityMap& map = (*visibility_)[frame];
   const int limit = static_cast<int>(inverse_z / map.scale) + map.tolerance;
   const auto nearest = [&](double x, double y) {
     const int row = std::clamp(static_cast<int>(y / map.shrink), 0, map.inverse_z.width - 1);

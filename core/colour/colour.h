@@ -34,7 +34,7 @@ struct ColourOptions {
   bool even_seams = true;
 };
 
-// The frames that see each pixel of one layer (paper equation 7). References must outlive it.
+// The frames that see each pixel of one layer (paper equation 7). What is referred to and not empty must outlive it.
 class SourceCandidates final : public ColourCosts {
  public:
   // `visibility` is empty (nothing hides anything) or has one map per frame.
@@ -59,7 +59,7 @@ class SourceCandidates final : public ColourCosts {
   const PanoramaGrid& grid_;
   const DisparityMap& layer_;
   const std::vector<UprightFrame>& frames_;
-  const std::vector<VisibilityMap>& visibility_;
+  const std::vector<VisibilityMap>* visibility_;  // null = nothing hides anything
   ColourOptions options_;
   std::vector<VoxelProjection> projections_;
   std::vector<Heading> headings_;             // of column centres

@@ -1,0 +1,1 @@
+ldp_test(colour_test SOURCES colour_test.cpp USES ldp_colour)

@@ -1,0 +1,181 @@
+#include "layers.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <stop_token>
+
+#include "simple_capture.h"
+
+namespace ldp {
+namespace {
+
+using test::camera_at, test::simple_grid, test::upright_of;
+
+constexpr uint16_t kNearSteps = kDisparitySteps;  // w = 0.5 in these tests: 2 from the circle
+constexpr int kFirst = 45, kEnd = 55;             // columns of the near square
+
+// A far wall at infinity, in front of it a square.
+DisparityMap square_before_the_sky(const PanoramaGrid& grid) {
+  DisparityMap map(grid.width, grid.height, 0);
+  for (int y = 20; y < 40; ++y)
+    for (int x = kFirst; x < kEnd; ++x) map.at(x, y) = kNearSteps;
+  return map;
+}
+
+std::vector<UprightFrame> three_cameras() {
+  return {upright_of(camera_at(0.25), 0), upright_of(camera_at(0), 1), upright_of(camera_at(-0.25), 2)};
+}
+
+int count(const Plane<uint8_t>& want, Want wanted) {
+  return static_cast<int>(std::count(want.samples.begin(), want.samples.end(), wanted));
+}
+
+TEST(Visibility, AWallIsSeenAtItsInverseDepth) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap wall(grid.width, grid.height, kNearSteps);
+  const auto maps = visibility(grid, {&wall}, {upright_of(camera_at(0), 0)}, {}, {});
+  ASSERT_EQ(maps.size(), 1U);
+  EXPECT_NEAR(maps[0].inverse_z.at(40, 70) * maps[0].scale, 0.5, 0.002);
+}
+
+TEST(Visibility, OfTwoLayersTheNearerShows) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap near(grid.width, grid.height, kNearSteps), far(grid.width, grid.height, kNearSteps / 2);
+  const std::vector<UprightFrame> frames = {upright_of(camera_at(0), 0)};
+  const auto one = visibility(grid, {&near}, frames, {}, {}), both = visibility(grid, {&far, &near}, frames, {}, {});
+  for (int column = 50; column < 90; ++column)
+    for (int row = 20; row < 60; ++row) ASSERT_EQ(one[0].inverse_z.at(row, column), both[0].inverse_z.at(row, column));
+}
+
+TEST(Visibility, ASlantedSurfaceHasNoCracks) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  DisparityMap slope(grid.width, grid.height);
+  for (int y = 0; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x) slope.at(x, y) = static_cast<uint16_t>(1500 + 8 * x);
+  const auto maps = visibility(grid, {&slope}, {upright_of(camera_at(0.2), 0)}, {}, {});
+  for (int column = 50; column < 80; ++column)
+    for (int row = 30; row < 50; ++row) ASSERT_NE(maps[0].inverse_z.at(row, column), 0) << column << ", " << row;
+}
+
+TEST(Visibility, IsTheSameAtAnyThreadCount) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap map = square_before_the_sky(grid);
+  Job four;
+  four.threads = 4;
+  const auto one = visibility(grid, {&map}, three_cameras(), {}, {}),
+             many = visibility(grid, {&map}, three_cameras(), {}, four);
+  for (size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].inverse_z, many[i].inverse_z);
+  EXPECT_EQ(wanted_behind(grid, map, three_cameras(), one, {}, {}),
+            wanted_behind(grid, map, three_cameras(), one, {}, four));
+}
+
+TEST(Visibility, StopsWhenAsked) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap map(grid.width, grid.height, 0);
+  std::stop_source source;
+  source.request_stop();
+  Job job;
+  job.stop = source.get_token();
+  EXPECT_THROW(visibility(grid, {&map}, three_cameras(), {}, job), Cancelled);
+}
+
+TEST(Visibility, RefusesAShrinkOfZero) {
+  LayersOptions options;
+  options.shrink = 0;
+  EXPECT_THROW(visibility(simple_grid(0.5), {}, {}, options, {}), std::logic_error);
+}
+
+TEST(WantedBehind, NothingBehindOneSurface) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap wall(grid.width, grid.height, kNearSteps / 2);
+  const auto maps = visibility(grid, {&wall}, three_cameras(), {}, {});
+  const auto want = wanted_behind(grid, wall, three_cameras(), maps, {}, {});
+  for (int y = 15; y < 45; ++y)
+    for (int x = 30; x < 70; ++x) ASSERT_EQ(want.at(x, y), kUnwanted) << x << ", " << y;
+}
+
+TEST(WantedBehind, OnlyBehindTheSquareAndHeldByTheSkyBesideIt) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap map = square_before_the_sky(grid);
+  const auto maps = visibility(grid, {&map}, three_cameras(), {}, {});
+  const auto want = wanted_behind(grid, map, three_cameras(), maps, {}, {});
+  EXPECT_GT(count(want, kWanted), 50);
+  EXPECT_GT(count(want, kBoundary), 10);
+  for (size_t i = 0; i < want.samples.size(); ++i) {
+    const bool square = map.samples[i] == kNearSteps;
+    ASSERT_NE(want.samples[i], square ? kBoundary : kWanted) << "pixel " << i;
+  }
+}
+
+TEST(WantedBehind, OneCameraAtTheRaysSeesNothingBehind) {
+  PanoramaGrid grid = simple_grid(0.5);
+  grid.rays = Rays::central;
+  grid.arc.radius = 1;
+  Camera camera = camera_at(0);
+  camera.pose.centre = {0, 0, 0};  // where all central rays start
+  const std::vector<UprightFrame> frames = {upright_of(camera, 0)};
+  const DisparityMap map = square_before_the_sky(grid);
+  const auto want = wanted_behind(grid, map, frames, visibility(grid, {&map}, frames, {}, {}), {}, {});
+  for (int y = 25; y < 35; ++y)
+    for (int x = kFirst + 2; x < kEnd - 2; ++x) EXPECT_EQ(want.at(x, y), kUnwanted);
+}
+
+TEST(DropUnseen, KeepsWhatFillsAHoleAndDropsTheRest) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap map = square_before_the_sky(grid);
+  const auto maps = visibility(grid, {&map}, three_cameras(), {}, {});
+  DisparityMap sky(grid.width, grid.height, 0);
+  const int kept = drop_unseen(grid, three_cameras(), maps, {}, sky);
+  EXPECT_GT(kept, 0);
+  EXPECT_EQ(sky.at(20, 30), kNoDisparity);  // sky beside the square is explained by the front layer
+}
+
+TEST(ContinueBackground, RunsInAStraightLineFromSideToSide) {
+  Plane<uint8_t> want(6, 1, kWanted);
+  want.at(0, 0) = want.at(5, 0) = kBoundary;
+  DisparityMap surface(6, 1, 3000), layer(6, 1, kNoDisparity);
+  surface.at(0, 0) = 100, surface.at(5, 0) = 200;
+  continue_background(want, surface, 10, layer);
+  EXPECT_EQ(layer.at(1, 0), 120);
+  EXPECT_EQ(layer.at(4, 0), 180);
+  EXPECT_EQ(layer.at(0, 0), kNoDisparity);
+}
+
+TEST(ContinueBackground, LeavesDepthsThatDisagreeByMoreThanALabel) {
+  Plane<uint8_t> want(3, 1, kWanted);
+  want.at(0, 0) = kBoundary;
+  DisparityMap surface(3, 1, 3000), layer(3, 1, 1000);
+  surface.at(0, 0) = 100;
+  continue_background(want, surface, 10, layer);
+  EXPECT_EQ(layer.at(1, 0), 1000);
+}
+
+class FlatCosts final : public CostSource {
+ public:
+  int width() const override { return 8; }
+  int height() const override { return 4; }
+  int labels() const override { return 16; }
+  bool wraps() const override { return true; }
+  void read(const Window& window, uint8_t* cost, uint8_t* median) const override {
+    const auto samples = static_cast<size_t>(window.width * window.height * 16);
+    std::fill(cost, cost + samples, uint8_t{7});
+    std::fill(median, median + samples, uint8_t{9});
+  }
+};
+
+TEST(BoundaryCosts, HoldTheBackgroundAndLeaveTheRest) {
+  const FlatCosts flat;
+  Plane<uint8_t> want(8, 4, kWanted);
+  want.at(1, 2) = kBoundary;
+  DisparityMap surface(8, 4, 3 * kLabelSteps);
+  const BoundaryCosts costs(flat, want, surface);
+  std::vector<uint8_t> cost(3 * 4 * 16), median(cost.size());
+  costs.read({7, 0, 3, 4}, cost.data(), median.data());  // columns 7, 0 and 1
+  const uint8_t* held = cost.data() + (2 * 4 + 2) * 16;
+  for (int l = 0; l < 16; ++l) EXPECT_EQ(held[l], l == 3 ? 0 : 255);
+  EXPECT_EQ(std::count(cost.begin(), cost.end(), 7), 11 * 16);
+}
+
+}  // namespace
+}  // namespace ldp
