@@ -1,8 +1,10 @@
 // How far the representation and the renderer carry: builds a panorama from a scene whose true depths are known (layout
 // of a rendered scene: transforms.json, frames_depth/*.npy, novel.json, novel/*.png), renders the scene's novel views
-// and prints their PSNR (holes as mid-grey) for several depth codes, numbers of layers and kinds of edges.
+// and prints their PSNR (holes as mid-grey) for several depth codes and numbers of layers, holes open and filled, and
+// the milliseconds that preparing the panorama and drawing one view take on one thread. S: pixels per pixel of the
+// photos.
 //
-//   perfect_panorama SCENE [--out DIR] [--variant NAME]
+//   perfect_panorama SCENE [--out DIR] [--scale S]
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -212,17 +214,25 @@ float refine(const PanoramaGrid& grid, const Frame& frame, int x, int y, float w
   return w;
 }
 
+// Catmull-Rom weights of the samples at -1, 0, 1, 2 for position f in [0, 1).
+std::array<double, 4> cubic_weights(double f) {
+  return {((-0.5 * f + 1) * f - 0.5) * f, (1.5 * f - 2.5) * f * f + 1, ((-1.5 * f + 2) * f + 0.5) * f,
+          (0.5 * f - 0.5) * f * f};
+}
+
 Rgb sample(const RgbImage& image, double x_px, double y_px) {
-  const double x = std::clamp(x_px - 0.5, 0.0, image.width - 1.001),
-               y = std::clamp(y_px - 0.5, 0.0, image.height - 1.001);
-  const int xi = static_cast<int>(x), yi = static_cast<int>(y);
-  const double s = x - xi, t = y - yi;
-  const auto channel = [&](auto member) {
-    const double top = (1 - s) * image.at(xi, yi).*member + s * image.at(xi + 1, yi).*member;
-    const double bottom = (1 - s) * image.at(xi, yi + 1).*member + s * image.at(xi + 1, yi + 1).*member;
-    return static_cast<uint8_t>((1 - t) * top + t * bottom + 0.5);
-  };
-  return {channel(&Rgb::r), channel(&Rgb::g), channel(&Rgb::b)};
+  const double x = x_px - 0.5, y = y_px - 0.5;
+  const int xi = static_cast<int>(std::floor(x)), yi = static_cast<int>(std::floor(y));
+  const auto wx = cubic_weights(x - xi), wy = cubic_weights(y - yi);
+  double r = 0, g = 0, b = 0;
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i) {
+      const Rgb c = image.at(std::clamp(xi - 1 + i, 0, image.width - 1), std::clamp(yi - 1 + j, 0, image.height - 1));
+      const double w = wx[static_cast<size_t>(i)] * wy[static_cast<size_t>(j)];
+      r += w * c.r, g += w * c.g, b += w * c.b;
+    }
+  const auto byte = [](double value) { return static_cast<uint8_t>(std::clamp(value + 0.5, 0.0, 255.0)); };
+  return {byte(r), byte(g), byte(b)};
 }
 
 struct Surface {
@@ -315,7 +325,7 @@ void find_surfaces(Scene& scene) {
     }
 }
 
-// Rays that no frame saw take the nearest surface to their left in the row (layer 0 is dense), else stay at infinity.
+// The surfaces of each ray as layers; rays that no frame saw stay empty in all of them.
 LayeredPanorama make_panorama(const Scene& scene, int block_px) {
   LayeredPanorama panorama;
   panorama.grid = scene.grid;
@@ -369,10 +379,12 @@ void measure(const std::string& name, const LayeredPanorama& panorama, const std
   const double start = seconds();
   const Renderer renderer(panorama);
   const double prepared = seconds();
-  double all = 0, on_arc = 0, covered = 0, hole = 0;
+  double drawing = 0, all = 0, on_arc = 0, covered = 0, hole = 0;
   std::string each;
   for (size_t i = 0; i < truths.size(); ++i) {
+    const double before = seconds();
     const View view = renderer.render(truths[i].camera, options);
+    drawing += seconds() - before;
     const double value = psnr(view, truths[i].image, false);
     all += value;
     if (i < 4) on_arc += value;
@@ -387,19 +399,22 @@ void measure(const std::string& name, const LayeredPanorama& panorama, const std
   }
   const double n = static_cast<double>(truths.size());
   std::printf("%-34s %6.2f %6.2f %6.2f %6.2f   %5.0f %6.1f  %s\n", name.c_str(), all / n, on_arc / 4, covered / n,
-              hole / n, 1e3 * (prepared - start), 1e3 * (seconds() - prepared) / n, each.c_str());
+              hole / n, 1e3 * (prepared - start), 1e3 * drawing / n, each.c_str());
   std::fflush(stdout);
 }
 
 int run(int argc, char** argv) {
-  if (argc < 2) throw std::runtime_error("usage: perfect_panorama SCENE [--out DIR] [--variant NAME]");
+  if (argc < 2) throw std::runtime_error("usage: perfect_panorama SCENE [--out DIR] [--scale S]");
   fs::path out;
-  fs::path variant;
-  for (int i = 2; i + 1 < argc; i += 2) (std::string(argv[i]) == "--out" ? out : variant) = argv[i + 1];
+  double scale = 1;
+  for (int i = 2; i + 1 < argc; i += 2) {
+    if (std::string(argv[i]) == "--out") out = argv[i + 1];
+    if (std::string(argv[i]) == "--scale") scale = std::stod(argv[i + 1]);
+  }
   const fs::path folder = argv[1];
   Scene scene;
   scene.frames = read_frames(folder);
-  scene.grid = make_grid(scene.frames, 1);
+  scene.grid = make_grid(scene.frames, scale);
   std::printf("grid %dx%d radius %.3f w_near %.3f\n", scene.grid.width, scene.grid.height, scene.grid.arc.radius,
               scene.grid.w_near);
   find_surfaces(scene);
@@ -415,6 +430,12 @@ int run(int argc, char** argv) {
       measure("block " + std::to_string(block) + " layers " + std::to_string(layers), make_panorama(scene, block),
               truths, options, out);
     }
+  RenderOptions filled;
+  filled.fill = Fill::background;
+  for (const int layers : {1, 3}) {
+    filled.layers = layers;
+    measure("block 8 layers " + std::to_string(layers) + " filled", make_panorama(scene, 8), truths, filled, out);
+  }
   return 0;
 }
 
