@@ -9,7 +9,8 @@ namespace ldp {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kSteepest = 4;          // |v|, i.e. 76 degrees: a cylinder shows nothing useful beyond
+constexpr double kSteepest = 4;  // |v|, i.e. 76 degrees: a cylinder shows nothing useful beyond
+constexpr double kTallest = 1.5;
 constexpr double kLowestShare = 0.02;    // percentiles of the points' inverse depths taken as far and near
 constexpr double kMargin = 1.15;         // on the near side, for what no feature point was found on
 constexpr double kFarRadii = 100;        // farther than this many radii is infinity
@@ -27,8 +28,19 @@ double percentile(std::vector<double>& values, double share) {
 
 double length_scale(const Arc& arc) { return arc.radius > 0 ? arc.radius : 1; }
 
+// Nearer than the cameras stray from the circle a depth from it means nothing.
+double nearest_depth(const Arc& arc, const std::vector<Camera>& cameras) {
+  double stray = 0;
+  for (const Camera& camera : cameras) {
+    const Eigen::Vector3d q = arc.world_from_arc.transpose() * (camera.pose.centre - arc.centre);
+    stray = std::max(stray, std::abs(q.head<2>().norm() - arc.radius));
+  }
+  return 2 * stray;
+}
+
 // From the points where the options leave it open. Points inside the circle of the ray origins have no depth.
-InverseDepths depth_range(const PanoramaGrid& grid, const std::vector<ScenePoint>& points, const GridOptions& options) {
+InverseDepths depth_range(const PanoramaGrid& grid, const std::vector<Camera>& cameras,
+                          const std::vector<ScenePoint>& points, const GridOptions& options) {
   std::vector<double> inverse;
   for (const ScenePoint& point : points) {
     const double w = locate(grid, point.position).inverse_depth;
@@ -39,6 +51,8 @@ InverseDepths depth_range(const PanoramaGrid& grid, const std::vector<ScenePoint
   if (!inverse.empty()) {
     range.near = kMargin * percentile(inverse, 1 - kLowestShare);
     range.far = percentile(inverse, kLowestShare) / kMargin;
+    range.near = std::min(range.near, 1 / std::max(nearest_depth(grid.arc, cameras), 1e-12));
+    range.far = std::min(range.far, 0.5 * range.near);
   }
   if (options.near_depth > 0) range.near = 1 / options.near_depth;
   range.near = std::max(range.near, 1 / (kFarRadii * scale));
@@ -95,8 +109,10 @@ double angular_pitch(const PanoramaGrid& grid, double pixel_rad) {
   return nearly_straight(grid) ? pixel_rad * depth / (grid.ray_radius() + depth) : pixel_rad;
 }
 
-// Everything that the cameras see at the range's two ends.
+// Everything that the cameras see at the range's two ends. What is very near spreads over ever more rows of the unit
+// cylinder; rows beyond kTallest times what is seen far away are not followed.
 void extend(const PanoramaGrid& grid, const std::vector<Camera>& cameras, Extent& theta, Extent& v) {
+  Extent near_v;
   const double farthest = nearly_straight(grid) ? 1 / middle_depth(grid) : grid.w_far;
   for (const Camera& camera : cameras) {
     const Eigen::Vector3d q = grid.arc.world_from_arc.transpose() * (camera.pose.centre - grid.arc.centre);
@@ -108,10 +124,26 @@ void extend(const PanoramaGrid& grid, const std::vector<Camera>& cameras, Extent
         Sight sight;
         if (!meets(grid, camera.pose, ray, w, sight)) continue;
         theta.take(place + std::remainder(sight.theta - place, kTurn));
-        v.take(std::clamp(sight.v, -kSteepest, kSteepest));
+        (w == farthest ? v : near_v).take(std::clamp(sight.v, -kSteepest, kSteepest));
       }
     }
   }
+  v.take(std::max(near_v.low, kTallest * v.low));
+  v.take(std::min(near_v.high, kTallest * v.high));
+}
+
+// No panorama is wider than its photos side by side: more columns would only repeat what they hold.
+int most_columns(const std::vector<Camera>& cameras) {
+  int sum = 0;
+  for (const Camera& camera : cameras) sum += camera.intrinsics.width;
+  return sum;
+}
+
+// Nor has it more pixels than they have together.
+double most_pixels(const std::vector<Camera>& cameras, const GridOptions& options) {
+  double sum = 0;
+  for (const Camera& camera : cameras) sum += static_cast<double>(camera.intrinsics.width) * camera.intrinsics.height;
+  return sum / (options.pitch_px * options.pitch_px);
 }
 
 double focal_px(const std::vector<Camera>& cameras) {
@@ -138,7 +170,7 @@ PanoramaGrid lay_grid(const Arc& arc, const std::vector<Camera>& cameras, const 
   grid.arc = arc;
   grid.rays = options.rays;
   grid.theta_pitch = 1, grid.v_pitch = 1;
-  const InverseDepths range = depth_range(grid, points, options);
+  const InverseDepths range = depth_range(grid, cameras, points, options);
   grid.w_far = range.far;
   grid.w_near = range.near;
 
@@ -147,6 +179,10 @@ PanoramaGrid lay_grid(const Arc& arc, const std::vector<Camera>& cameras, const 
   const double pixel_rad = options.pitch_px / focal_px(cameras);
   grid.theta_pitch = angular_pitch(grid, pixel_rad);
   grid.v_pitch = pixel_rad;
+  grid.theta_pitch = std::max(grid.theta_pitch, (theta.high - theta.low) * options.pitch_px / most_columns(cameras));
+  const double coarser = std::sqrt((theta.high - theta.low) / grid.theta_pitch * (v.high - v.low) / grid.v_pitch /
+                                   most_pixels(cameras, options));
+  if (coarser > 1) grid.theta_pitch *= coarser, grid.v_pitch *= coarser;
   grid.wraps = arc.closed || theta.high - theta.low >= kTurn - grid.theta_pitch;
   if (grid.wraps) {
     grid.width = static_cast<int>(std::lround(kTurn / grid.theta_pitch));

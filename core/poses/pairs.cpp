@@ -10,9 +10,9 @@ namespace {
 constexpr int kGlance = 300;           // strongest features that a quick look compares
 constexpr size_t kGlanceMatches = 12;  // and how many must match for a closer look
 
-std::vector<Match> agreeing(const Features& a, const Features& b, const std::vector<Match>& matches,
+std::vector<Match> agreeing(const Features& a, const Features& b, const std::vector<Match>& matches, size_t least,
                             const PairOptions& options) {
-  if (matches.size() < static_cast<size_t>(options.least_inliers)) return {};
+  if (matches.size() < least) return {};
   std::vector<cv::Point2d> in_a, in_b;
   for (const Match& m : matches) {
     const Eigen::Vector2d &p = a.positions[static_cast<size_t>(m.a)], &q = b.positions[static_cast<size_t>(m.b)];
@@ -31,7 +31,8 @@ std::vector<Match> agreeing(const Features& a, const Features& b, const std::vec
   for (size_t i = 0; !f.empty() && i < mask.size() && i < matches.size(); ++i) {
     if (mask[i]) kept.push_back(matches[i]);
   }
-  return kept.size() < static_cast<size_t>(options.least_inliers) ? std::vector<Match>{} : kept;
+  const double share = static_cast<double>(kept.size()) / static_cast<double>(matches.size());
+  return kept.size() < least || share < options.least_share ? std::vector<Match>{} : kept;
 }
 
 }  // namespace
@@ -42,7 +43,8 @@ std::vector<Match> match_pair(const Features& a, const Features& b, bool neighbo
     glance.most = kGlance;
     if (match_features(a, b, glance).size() < kGlanceMatches) return {};
   }
-  return agreeing(a, b, match_features(a, b, MatchOptions{}), options);
+  const int least = neighbours ? options.least_inliers : options.least_loop_inliers;
+  return agreeing(a, b, match_features(a, b, MatchOptions{}), static_cast<size_t>(least), options);
 }
 
 }  // namespace ldp

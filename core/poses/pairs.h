@@ -9,9 +9,11 @@
 namespace ldp {
 
 struct PairOptions {
-  int reach = 4;             // neighbours farther apart in the sequence are matched only if a quick look finds a loop
-  int least_inliers = 16;    // fewer agreeing matches are chance
-  double tolerance = 0.003;  // distance from the epipolar line, share of the longer image side
+  int reach = 4;           // neighbours farther apart in the sequence are matched only if a quick look finds a loop
+  int least_inliers = 16;  // fewer agreeing matches are chance
+  int least_loop_inliers = 30;  // the same for frames far apart: there are many such pairs, and repeated things in them
+  double least_share = 0.4;     // of the matches that must agree; what looks alike by chance agrees on little
+  double tolerance = 0.003;     // distance from the epipolar line, share of the longer image side
   unsigned seed = 1;
 };
 

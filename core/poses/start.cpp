@@ -37,7 +37,8 @@ std::vector<RotationEdge> rotation_edges(const MatchedSweep& sweep, double focal
   std::vector<RotationEdge> edges;
   for (const PairMatches& pair : sweep.pairs) {
     const RelativeRotation r = spherical_rotation(ray_pairs(sweep, pair, focal), sweep.pixels(kSpherical) / focal);
-    edges.push_back({pair.a, pair.b, r.b_from_a, static_cast<double>(pair.matches.size()) * std::exp(-r.cost)});
+    edges.push_back(
+        {pair.a, pair.b, r.b_from_a, std::pow(static_cast<double>(pair.matches.size()), 2) * std::exp(-r.cost)});
   }
   return edges;
 }
