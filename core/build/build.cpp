@@ -77,6 +77,8 @@ class Build {
     report_.arc = fit_arc(poses_.cameras, {});
     GridOptions grid;
     grid.rays = options_.rays;
+    grid.near_depth = options_.near_depth;
+    grid.far_depth = options_.far_depth;
     grid_ = lay_grid(report_.arc.arc, poses_.cameras, poses_.points, grid);
     watch_.lap("arc");
     upright_ = rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, grid_.arc, job_);
