@@ -50,18 +50,58 @@ constexpr std::array<Swap, 5> kSort4 = {{{0, 2}, {1, 3}, {0, 1}, {2, 3}, {1, 2}}
 constexpr std::array<Swap, 9> kSort5 = {{{0, 3}, {1, 4}, {0, 2}, {1, 3}, {0, 1}, {2, 4}, {1, 2}, {3, 4}, {2, 3}}};
 constexpr std::array<Swap, 12> kSort6 = {
     {{0, 5}, {1, 3}, {2, 4}, {1, 2}, {3, 4}, {0, 3}, {2, 5}, {0, 1}, {2, 3}, {4, 5}, {1, 2}, {3, 4}}};
-constexpr std::array<Swap, 16> kSort7 = {{{0, 6}, {2, 3}, {4, 5}, {0, 2}, {1, 4}, {3, 6}, {0, 1}, {2, 5}, {3, 4}, {1, 2}, {4, 6}, {2, 3}, {4, 5}, {1, 2}, {3, 4}, {5, 6}}};
-constexpr std::array<Swap, 19> kSort8 = {{{0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}, {0, 1}, {2, 3}, {4, 5}, {6, 7}, {2, 4}, {3, 5}, {1, 4}, {3, 6}, {1, 2}, {3, 4}, {5, 6}}};
+constexpr std::array<Swap, 16> kSort7 = {{{0, 6},
+                                          {2, 3},
+                                          {4, 5},
+                                          {0, 2},
+                                          {1, 4},
+                                          {3, 6},
+                                          {0, 1},
+                                          {2, 5},
+                                          {3, 4},
+                                          {1, 2},
+                                          {4, 6},
+                                          {2, 3},
+                                          {4, 5},
+                                          {1, 2},
+                                          {3, 4},
+                                          {5, 6}}};
+constexpr std::array<Swap, 19> kSort8 = {{{0, 2},
+                                          {1, 3},
+                                          {4, 6},
+                                          {5, 7},
+                                          {0, 4},
+                                          {1, 5},
+                                          {2, 6},
+                                          {3, 7},
+                                          {0, 1},
+                                          {2, 3},
+                                          {4, 5},
+                                          {6, 7},
+                                          {2, 4},
+                                          {3, 5},
+                                          {1, 4},
+                                          {3, 6},
+                                          {1, 2},
+                                          {3, 4},
+                                          {5, 6}}};
 
 template <size_t N>
 constexpr const auto& network() {
-  if constexpr (N == 2) return kSort2;
-  else if constexpr (N == 3) return kSort3;
-  else if constexpr (N == 4) return kSort4;
-  else if constexpr (N == 5) return kSort5;
-  else if constexpr (N == 6) return kSort6;
-  else if constexpr (N == 7) return kSort7;
-  else return kSort8;
+  if constexpr (N == 2)
+    return kSort2;
+  else if constexpr (N == 3)
+    return kSort3;
+  else if constexpr (N == 4)
+    return kSort4;
+  else if constexpr (N == 5)
+    return kSort5;
+  else if constexpr (N == 6)
+    return kSort6;
+  else if constexpr (N == 7)
+    return kSort7;
+  else
+    return kSort8;
 }
 
 template <size_t N>
@@ -73,61 +113,51 @@ void sort(std::array<Lanes, N>& s) {
       low = a;
       high = b;
     };
-    [&]<size_t... I>(std::index_sequence<I...>) { (swap(network<N>()[I]), ...); }(std::make_index_sequence<network<N>().size()>{});
+    [&]<size_t... I>(std::index_sequence<I...>) { (swap(network<N>()[I]), ...); }
+    (std::make_index_sequence<network<N>().size()>{});
   }
 }
 
-Lanes average(const Lanes& a, const Lanes& b) { return (a | b) - ((a ^ b) >> 1); }  // rounded up
+// phi of sorted deviations, the reference's own zero first: two others that agree are enough.
+template <size_t N>
+Lanes disagreement(const std::array<Lanes, N>& sorted, const Lanes& seen) {
+  const Wide second = widen(sorted[1]), third = widen(seen < 3 ? sorted[1] : sorted[std::min<size_t>(2, N - 1)]);
+  return narrow(smaller(2 * (second + third), Wide{} + kLargestVariance));
+}
 
 template <size_t N>
-void robust_variance_of(const uint8_t* const* samples, int count, uint8_t* phi, uint8_t* median) {
+void robust_variance_of(const uint8_t* const* samples, int count, uint8_t* phi, uint8_t* reference) {
   for (int i = 0; i < count; i += kLanes) {
-    std::array<Lanes, N> raw, s;
-    for (size_t k = 0; k < N; ++k) s[k] = raw[k] = load<Lanes>(samples[k] + i);
+    std::array<Lanes, N> s;
+    for (size_t k = 0; k < N; ++k) s[k] = load<Lanes>(samples[k] + i);
+    const Lanes nearest = s[0];
+    for (size_t k = 0; k < N; ++k) s[k] = larger(s[k], nearest) - smaller(s[k], nearest);
     sort<N>(s);
-    const Lanes middle = average(s[(N - 1) / 2], s[N / 2]);
-    for (size_t k = 0; k < N; ++k) s[k] = larger(raw[k], middle) - smaller(raw[k], middle);
-    sort<N>(s);
-    const Wide deviation = 2 * (widen(s[(N - 1) / 2]) + widen(s[N / 2]));
-    store(narrow(smaller(deviation, Wide{} + 255)), phi + i);
-    store(middle, median + i);
+    store(disagreement<N>(s, Lanes{} + uint8_t{N}), phi + i);
+    store(nearest, reference + i);
   }
 }
 
-// The element of rank (seen - 1) / 2 plus that of rank seen / 2, of sorted values; seen is per lane.
 template <size_t N>
-std::pair<Lanes, Lanes> middle_pair(const std::array<Lanes, N>& sorted, const Lanes& seen) {
-  Lanes low = sorted[0], high = sorted[0];
-  for (size_t rank = 1; rank < N; ++rank) {
-    const auto r = static_cast<uint8_t>(rank);
-    low = (seen - 1) / 2 == r ? sorted[rank] : low;
-    high = seen / 2 == r ? sorted[rank] : high;
-  }
-  return {low, high};
-}
-
-template <size_t N>
-void masked_robust_variance_of(const uint8_t* const* samples, const uint8_t* const* masks, int prior, int count, uint8_t* phi,
-                               uint8_t* median) {
-  const Lanes none = Lanes{} + uint8_t{255};
+void masked_robust_variance_of(const uint8_t* const* samples, const uint8_t* const* masks, int prior, int count,
+                               uint8_t* phi, uint8_t* reference) {
   for (int i = 0; i < count; i += kLanes) {
-    std::array<Lanes, N> raw, hidden, s;
-    Lanes seen = Lanes{} + uint8_t{N};
-    for (size_t k = 0; k < N; ++k) {
+    std::array<Lanes, N> s, hidden;
+    Lanes seen = Lanes{} + uint8_t{N}, nearest = Lanes{} + uint8_t{128};
+    for (size_t k = N; k-- > 0;) {
       hidden[k] = ~load<Lanes>(masks[k] + i);
-      s[k] = raw[k] = load<Lanes>(samples[k] + i) | hidden[k];  // hidden samples sort to the end
+      s[k] = load<Lanes>(samples[k] + i);
+      nearest = hidden[k] == 0 ? s[k] : nearest;
       seen += hidden[k];
     }
+    for (size_t k = 0; k < N; ++k)
+      s[k] = (larger(s[k], nearest) - smaller(s[k], nearest)) | hidden[k];  // hidden ones sort to the end
     sort<N>(s);
-    const auto [low, high] = middle_pair<N>(s, seen);
-    const Lanes middle = seen == 0 ? Lanes{} + uint8_t{128} : (seen == 1 ? low : average(low, high));
-    for (size_t k = 0; k < N; ++k) s[k] = (larger(raw[k], middle) - smaller(raw[k], middle)) | hidden[k];
-    sort<N>(s);
-    const auto [near, far] = middle_pair<N>(s, seen);
-    const Wide deviation = 2 * (widen(near) + widen(far));
-    const Lanes spread = narrow(smaller(deviation, widen(none)));
-    store(seen < 2 ? Lanes{} + static_cast<uint8_t>(prior) : spread, phi + i);
-    store(middle, median + i);
+    Lanes variance = Lanes{} + kLargestVariance;
+    if constexpr (N > 1) variance = disagreement<N>(s, seen);
+    variance = seen == 1 ? Lanes{} + static_cast<uint8_t>(prior) : variance;
+    store(seen == 0 ? Lanes{} + kLargestVariance : variance, phi + i);
+    store(nearest, reference + i);
   }
 }
 
@@ -155,35 +185,51 @@ void resample_rows(const uint8_t* column, int64_t row_q16, int32_t step_q16, int
   }
 }
 
-void test_visibility(const uint16_t* surface, int64_t row_q16, int32_t step_q16, int shrink, int limit, int count, uint8_t* mask) {
+void test_visibility(const uint16_t* surface, int64_t row_q16, int32_t step_q16, int shrink, int limit, int count,
+                     uint8_t* mask) {
   for (int i = 0; i < count; ++i, row_q16 += step_q16) {
     mask[i] = surface[static_cast<int32_t>(row_q16 >> 16) / shrink] <= limit ? 255 : 0;
   }
 }
 
-void robust_variance(const uint8_t* const* samples, int views, int count, uint8_t* phi, uint8_t* median) {
+void robust_variance(const uint8_t* const* samples, int views, int count, uint8_t* phi, uint8_t* reference) {
   switch (views) {
-    case 2: return robust_variance_of<2>(samples, count, phi, median);
-    case 3: return robust_variance_of<3>(samples, count, phi, median);
-    case 4: return robust_variance_of<4>(samples, count, phi, median);
-    case 5: return robust_variance_of<5>(samples, count, phi, median);
-    case 6: return robust_variance_of<6>(samples, count, phi, median);
-    case 7: return robust_variance_of<7>(samples, count, phi, median);
-    default: return robust_variance_of<8>(samples, count, phi, median);
+    case 2:
+      return robust_variance_of<2>(samples, count, phi, reference);
+    case 3:
+      return robust_variance_of<3>(samples, count, phi, reference);
+    case 4:
+      return robust_variance_of<4>(samples, count, phi, reference);
+    case 5:
+      return robust_variance_of<5>(samples, count, phi, reference);
+    case 6:
+      return robust_variance_of<6>(samples, count, phi, reference);
+    case 7:
+      return robust_variance_of<7>(samples, count, phi, reference);
+    default:
+      return robust_variance_of<8>(samples, count, phi, reference);
   }
 }
 
-void masked_robust_variance(const uint8_t* const* samples, const uint8_t* const* masks, int views, int prior, int count, uint8_t* phi,
-                            uint8_t* median) {
+void masked_robust_variance(const uint8_t* const* samples, const uint8_t* const* masks, int views, int prior, int count,
+                            uint8_t* phi, uint8_t* reference) {
   switch (views) {
-    case 1: return masked_robust_variance_of<1>(samples, masks, prior, count, phi, median);
-    case 2: return masked_robust_variance_of<2>(samples, masks, prior, count, phi, median);
-    case 3: return masked_robust_variance_of<3>(samples, masks, prior, count, phi, median);
-    case 4: return masked_robust_variance_of<4>(samples, masks, prior, count, phi, median);
-    case 5: return masked_robust_variance_of<5>(samples, masks, prior, count, phi, median);
-    case 6: return masked_robust_variance_of<6>(samples, masks, prior, count, phi, median);
-    case 7: return masked_robust_variance_of<7>(samples, masks, prior, count, phi, median);
-    default: return masked_robust_variance_of<8>(samples, masks, prior, count, phi, median);
+    case 1:
+      return masked_robust_variance_of<1>(samples, masks, prior, count, phi, reference);
+    case 2:
+      return masked_robust_variance_of<2>(samples, masks, prior, count, phi, reference);
+    case 3:
+      return masked_robust_variance_of<3>(samples, masks, prior, count, phi, reference);
+    case 4:
+      return masked_robust_variance_of<4>(samples, masks, prior, count, phi, reference);
+    case 5:
+      return masked_robust_variance_of<5>(samples, masks, prior, count, phi, reference);
+    case 6:
+      return masked_robust_variance_of<6>(samples, masks, prior, count, phi, reference);
+    case 7:
+      return masked_robust_variance_of<7>(samples, masks, prior, count, phi, reference);
+    default:
+      return masked_robust_variance_of<8>(samples, masks, prior, count, phi, reference);
   }
 }
 

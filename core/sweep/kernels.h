@@ -9,30 +9,35 @@
 namespace ldp::kernels {
 
 constexpr int kPadding = 64;
-constexpr int kMaxViews = 8;       // cameras whose samples are compared at a voxel
-constexpr int kWeightBits = 6;     // of linear interpolation
+constexpr int kMaxViews = 8;              // cameras whose samples are compared at a voxel
+constexpr uint8_t kLargestVariance = 40;  // 10 grey levels: what differs more is just another surface
+constexpr int kWeightBits = 6;            // of linear interpolation
 constexpr int kWeightOne = 1 << kWeightBits;
 
 // out[i] = (left[i] (64 - weight) + right[i] weight + 32) >> 6.
 void blend_columns(const uint8_t* left, const uint8_t* right, int weight, int count, uint8_t* out);
 
 // Linear interpolation of a column at rows (row_q16 + i step_q16) / 65536 >= 0:
-// out[i] = (column[r] (64 - f) + column[r + 1] f + 32) >> 6 with r the row's integer part, f the first 6 bits of the rest.
-// 0 < step_q16. The column may be read kPadding past the last row needed.
+// out[i] = (column[r] (64 - f) + column[r + 1] f + 32) >> 6 with r the row's integer part, f the first 6 bits of the
+// rest. 0 < step_q16. The column may be read kPadding past the last row needed.
 void resample_rows(const uint8_t* column, int64_t row_q16, int32_t step_q16, int count, uint8_t* out);
 
 // mask[i] = 255 where surface[(row_q16 + i step_q16) / (65536 shrink)] <= limit, else 0.
-void test_visibility(const uint16_t* surface, int64_t row_q16, int32_t step_q16, int shrink, int limit, int count, uint8_t* mask);
+void test_visibility(const uint16_t* surface, int64_t row_q16, int32_t step_q16, int shrink, int limit, int count,
+                     uint8_t* mask);
 
-// Median and robust variance over `views` samples (2 .. kMaxViews) of each row. With s sorted and n = views:
-//   median = (s[(n-1)/2] + s[n/2] + 1) >> 1,  d = sorted |s - median|,  phi = min(255, 2 (d[(n-1)/2] + d[n/2])),
-// that is, phi is the median absolute deviation in 1/4 grey level.
-void robust_variance(const uint8_t* const* samples, int views, int count, uint8_t* phi, uint8_t* median);
+// Robust variance over `views` samples (2 .. kMaxViews) of each row, samples[0] being the camera nearest to the rays.
+// It is the reference: with d the sorted |samples[k] - samples[0]|, d[0] = 0,
+//   phi = min(kLargestVariance, 2 (d[1] + d[2])), two views: 4 d[1],
+// the mean deviation of the two cameras that agree best with it, in 1/4 grey level. Beside depth edges most cameras do
+// not see the voxel, so that a median over all of them takes the nearer surface for true (measured on leaves: 68 % of
+// the rays have their least cost within a label of the truth, against 80 % here).
+void robust_variance(const uint8_t* const* samples, int views, int count, uint8_t* phi, uint8_t* reference);
 
-// The same over the samples whose mask is 255; where fewer than two are left, phi = prior and the median is the one
-// sample, or 128. 1 <= views <= kMaxViews.
-void masked_robust_variance(const uint8_t* const* samples, const uint8_t* const* masks, int views, int prior, int count, uint8_t* phi,
-                            uint8_t* median);
+// The same over the samples whose mask is 255; the reference is the first of them. Where one is left phi = prior,
+// where none is kLargestVariance and the reference 128. 1 <= views <= kMaxViews.
+void masked_robust_variance(const uint8_t* const* samples, const uint8_t* const* masks, int views, int prior, int count,
+                            uint8_t* phi, uint8_t* reference);
 
 // out[i] = in[i] + in[i + 1] + ... + in[i + 4].
 void sum5(const uint8_t* in, int count, uint16_t* out);

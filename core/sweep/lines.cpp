@@ -8,24 +8,26 @@
 namespace ldp {
 namespace {
 
-constexpr double kLeastCosine = 0.3;   // between the ray and the camera's axis: 72 degrees
-constexpr double kLargestStep = 4;     // photo rows per panorama row; beyond, a voxel is too near to the camera
+constexpr double kLeastCosine = 0.3;  // between the ray and the camera's axis: 72 degrees
+constexpr double kLargestStep = 4;    // photo rows per panorama row; beyond, a voxel is too near to the camera
 constexpr double kLargestRow = 1 << 20;
 
 int64_t ceil_div(int64_t a, int64_t b) { return a > 0 ? (a - 1) / b + 1 : -(-a / b); }
 
 }  // namespace
 
-LineTable::LineTable(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, const std::vector<VisibilityMap>& visibility,
-                     int margin_px)
+LineTable::LineTable(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid,
+                     const std::vector<VisibilityMap>& visibility, int margin_px)
     : frames_(frames), grid_(grid), visibility_(visibility.empty() ? nullptr : &visibility), margin_px_(margin_px) {
   const Eigen::Matrix3d& axes = grid.arc.world_from_arc;
   for (const UprightFrame& frame : frames) {
     const UprightCamera& camera = frame.camera;
     const Eigen::Vector3d offset = grid.arc.centre - camera.centre;
-    views_.push_back({exact_dot(camera.right, axes.col(0)), exact_dot(camera.right, axes.col(1)), exact_dot(camera.forward, axes.col(0)),
-                      exact_dot(camera.forward, axes.col(1)), exact_dot(offset, camera.right), exact_dot(offset, camera.forward),
-                      exact_dot(offset, axes.col(2))});
+    views_.push_back({exact_dot(camera.right, axes.col(0)), exact_dot(camera.right, axes.col(1)),
+                      exact_dot(camera.forward, axes.col(0)), exact_dot(camera.forward, axes.col(1)),
+                      exact_dot(offset, camera.right), exact_dot(offset, camera.forward),
+                      exact_dot(offset, axes.col(2)), -exact_dot(offset, axes.col(0)),
+                      -exact_dot(offset, axes.col(1))});
   }
   const int columns = grid.wraps ? grid.width : grid.width + 2 * margin_px;
   for (int i = 0; i < columns; ++i) {
@@ -34,7 +36,8 @@ LineTable::LineTable(const std::vector<UprightFrame>& frames, const PanoramaGrid
     std::vector<std::pair<double, uint16_t>> seen;
     for (size_t k = 0; k < views_.size(); ++k) {
       const double along = angle.cosine * views_[k].forward_x + angle.sine * views_[k].forward_y;
-      if (along > kLeastCosine) seen.emplace_back(-along, static_cast<uint16_t>(k));
+      const double aside = std::abs(angle.cosine * views_[k].place_y - angle.sine * views_[k].place_x);
+      if (along > kLeastCosine) seen.emplace_back(aside, static_cast<uint16_t>(k));
     }
     std::sort(seen.begin(), seen.end());
     auto& views = views_of_column_.emplace_back();
@@ -83,7 +86,8 @@ bool LineTable::make_line(size_t view, double cosine, double sine, double invers
   line.left = frame.columns.row(x);
   line.right = frame.columns.row(x + 1);
   const auto c = static_cast<size_t>(x);
-  const int64_t first = std::max(frame.valid_begin[c], frame.valid_begin[c + 1]), last = std::min(frame.valid_end[c], frame.valid_end[c + 1]) - 1;
+  const int64_t first = std::max(frame.valid_begin[c], frame.valid_begin[c + 1]),
+                last = std::min(frame.valid_end[c], frame.valid_end[c + 1]) - 1;
   if (first >= last || line.step_q16 <= 0) return false;
   constexpr int64_t kFar = 1 << 30;
   line.y_begin = static_cast<int>(std::clamp(ceil_div(first * 65536 - line.row_q16, line.step_q16), -kFar, kFar));

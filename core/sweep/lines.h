@@ -1,6 +1,6 @@
-// Where the vertical line of voxels at (column, disparity) lies in each upright frame: one fractional image column, rows
-// affine in the panorama's row. Computed in double with exactly rounded operations only, then rounded to fixed point, so
-// that positions are the same on every machine.
+// Where the vertical line of voxels at (column, disparity) lies in each upright frame: one fractional image column,
+// rows affine in the panorama's row. Computed in double with exactly rounded operations only, then rounded to fixed
+// point, so that positions are the same on every machine.
 #pragma once
 
 #include <array>
@@ -16,14 +16,14 @@ namespace ldp {
 
 // The line in one frame. Row of the panorama's row y: (row_q16 + y step_q16) / 65536 samples from the first.
 struct Line {
-  const uint8_t* left = nullptr;   // image columns between which it runs
+  const uint8_t* left = nullptr;  // image columns between which it runs
   const uint8_t* right = nullptr;
   const uint16_t* surface = nullptr;  // column of the visibility map; null = everything is visible
   int64_t row_q16 = 0;
   int32_t step_q16 = 0;
-  int weight = 0;                  // of `right`, in 1/64
+  int weight = 0;                             // of `right`, in 1/64
   int surface_shrink = 1, surface_limit = 0;  // hidden where surface[row / shrink] > limit
-  int y_begin = 0, y_end = 0;      // panorama rows whose samples lie inside the photo
+  int y_begin = 0, y_end = 0;                 // panorama rows whose samples lie inside the photo
 };
 
 struct Lines {
@@ -33,18 +33,21 @@ struct Lines {
 
 class LineTable {
  public:
-  // Frames, and visibility unless empty, must outlive the table. `margin_px`: columns past the grid's ends that may be asked for.
-  LineTable(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, const std::vector<VisibilityMap>& visibility,
-            int margin_px);
+  // Frames, and visibility unless empty, must outlive the table. `margin_px`: columns past the grid's ends that may be
+  // asked for.
+  LineTable(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid,
+            const std::vector<VisibilityMap>& visibility, int margin_px);
 
   // The lines of a column (-margin .. width + margin, modulo the width when the grid wraps) at an inverse depth, cut to
-  // the rows [y_begin, y_end): the kMaxViews cameras that look most nearly the same way, among those that see any of it.
+  // the rows [y_begin, y_end): the kMaxViews cameras that look most nearly the same way, among those that see any of
+  // it.
   void find(int column, double inverse_depth, int y_begin, int y_end, Lines& lines) const;
 
  private:
   struct View {  // a camera in the axes of the arc
     double right_x = 0, right_y = 0, forward_x = 0, forward_y = 0;
     double offset_right = 0, offset_forward = 0, offset_up = 0;  // of the arc's centre, seen from the camera
+    double place_x = 0, place_y = 0;                             // of the camera, seen from the arc's centre
   };
   bool make_line(size_t view, double cosine, double sine, double inverse_depth, Line& line) const;
   size_t slot(int column) const;
@@ -54,7 +57,7 @@ class LineTable {
   const std::vector<VisibilityMap>* visibility_ = nullptr;  // null = everything is visible
   int margin_px_ = 0;
   std::vector<View> views_;
-  std::vector<std::array<double, 2>> outward_;        // cosine and sine of each column's theta
+  std::vector<std::array<double, 2>> outward_;          // cosine and sine of each column's theta
   std::vector<std::vector<uint16_t>> views_of_column_;  // best first
 };
 

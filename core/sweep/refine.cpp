@@ -7,8 +7,8 @@
 namespace ldp {
 namespace {
 
-constexpr int kFine = 8;       // fine steps a label
-constexpr int kReach = 6;      // fine steps either side of the label's middle that are tried
+constexpr int kFine = 8;   // fine steps a label
+constexpr int kReach = 6;  // fine steps either side of the label's middle that are tried
 constexpr int kTile = 64;
 
 // Follows, per ray, the costs of its label's fine steps as they come by, nearest last.
@@ -57,7 +57,8 @@ uint16_t fitted(const FineMinimum::Ray& ray, int fine_steps) {
       denominator = 2 * int64_t{curvature} * fine_steps;
     }
   }
-  return static_cast<uint16_t>(std::clamp<int64_t>((2 * numerator + denominator) / (2 * denominator), 0, kDisparitySteps));
+  return static_cast<uint16_t>(
+      std::clamp<int64_t>((2 * numerator + denominator) / (2 * denominator), 0, kDisparitySteps));
 }
 
 std::set<int> steps_wanted(const FineMinimum& minimum, int fine_steps) {
@@ -71,7 +72,9 @@ std::set<int> steps_wanted(const FineMinimum& minimum, int fine_steps) {
 
 }  // namespace
 
-DisparityMap refine(const Sweep& sweep, const Plane<uint8_t>& labels, const Job& job) { return sweep.refine(labels, job); }
+DisparityMap refine(const Sweep& sweep, const Plane<uint8_t>& labels, const Job& job) {
+  return sweep.refine(labels, job);
+}
 
 DisparityMap Sweep::refine(const Plane<uint8_t>& labels, const Job& job) const {
   Tables& t = *tables_;

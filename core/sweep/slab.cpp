@@ -60,11 +60,14 @@ class Column {
       masks[views++] = scratch_.masks[k].data() + (y - y_begin_);
     }
     const int count = end - y;
-    if (views > 0 && masked_) return kernels::masked_robust_variance(samples, masks, views, prior_cost_, count, phi, median);
+    if (views > 0 && masked_)
+      return kernels::masked_robust_variance(samples, masks, views, prior_cost_, count, phi, median);
     if (views > 1) return kernels::robust_variance(samples, views, count, phi, median);
     std::fill(phi, phi + count, static_cast<uint8_t>(prior_cost_));
-    if (views == 1) std::copy(samples[0], samples[0] + count, median);
-    else std::fill(median, median + count, uint8_t{128});
+    if (views == 1)
+      std::copy(samples[0], samples[0] + count, median);
+    else
+      std::fill(median, median + count, uint8_t{128});
   }
 
   const Lines& lines_;
@@ -96,7 +99,8 @@ void SlabScratch::reserve(int height, int longest_column) {
   grow(cost, rows);
 }
 
-void sweep_slab(const LineTable& lines, double inverse_depth, const Window& window, int prior_cost, SlabScratch& scratch, SlabSink& sink) {
+void sweep_slab(const LineTable& lines, double inverse_depth, const Window& window, int prior_cost,
+                SlabScratch& scratch, SlabSink& sink) {
   const int y_begin = window.y - kHalo, y_end = window.y + window.height + kHalo;
   const int boxes = window.height + 2;  // rows whose box is needed
   std::fill(scratch.total.begin(), scratch.total.end(), uint16_t{0});
@@ -104,7 +108,8 @@ void sweep_slab(const LineTable& lines, double inverse_depth, const Window& wind
   Lines found;
   for (int i = 0; i < window.width + 2 * kHalo; ++i) {
     lines.find(window.x - kHalo + i, inverse_depth, y_begin, y_end, found);
-    Column(found, y_begin, y_end, prior_cost, scratch).compute(scratch.phi.data(), scratch.medians[i % (kHalo + 1)].data());
+    Column(found, y_begin, y_end, prior_cost, scratch)
+        .compute(scratch.phi.data(), scratch.medians[i % (kHalo + 1)].data());
     uint16_t* leaving = scratch.sums[i % 5].data();
     uint16_t* total = scratch.total.data();
     // The sums that leave make room for those that enter.
@@ -115,7 +120,8 @@ void sweep_slab(const LineTable& lines, double inverse_depth, const Window& wind
     if (i < 4) continue;
     kernels::min3_rows(total, window.height, scratch.lowest[i % 3].data());
     if (i < 2 * kHalo) continue;
-    kernels::min3_columns(scratch.lowest[0].data(), scratch.lowest[1].data(), scratch.lowest[2].data(), window.height, scratch.cost.data());
+    kernels::min3_columns(scratch.lowest[0].data(), scratch.lowest[1].data(), scratch.lowest[2].data(), window.height,
+                          scratch.cost.data());
     sink.column(i - 2 * kHalo, scratch.cost.data(), scratch.medians[(i + 1) % (kHalo + 1)].data() + kHalo);
   }
 }

@@ -19,7 +19,7 @@ class SlabScratch {
   SlabScratch();
   void reserve(int height, int longest_column);
 
-  std::vector<uint8_t> blended;                                  // a source column between two
+  std::vector<uint8_t> blended;  // a source column between two
   std::vector<uint8_t> samples[kernels::kMaxViews], masks[kernels::kMaxViews];
   std::vector<uint8_t> phi, medians[kHalo + 1];
   std::vector<uint16_t> sums[5], total, lowest[3], cost;
@@ -32,6 +32,7 @@ class SlabSink {
   virtual void column(int x, const uint16_t* cost, const uint8_t* median) = 0;
 };
 
-void sweep_slab(const LineTable& lines, double inverse_depth, const Window& window, int prior_cost, SlabScratch& scratch, SlabSink& sink);
+void sweep_slab(const LineTable& lines, double inverse_depth, const Window& window, int prior_cost,
+                SlabScratch& scratch, SlabSink& sink);
 
 }  // namespace ldp

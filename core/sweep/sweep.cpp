@@ -11,8 +11,8 @@ namespace {
 
 void check_range(const char* name, int value, int low, int high) {
   if (value < low || value > high) {
-    throw std::logic_error(std::string("sweep: ") + name + " is " + std::to_string(value) + ", must be " + std::to_string(low) + " to " +
-                           std::to_string(high));
+    throw std::logic_error(std::string("sweep: ") + name + " is " + std::to_string(value) + ", must be " +
+                           std::to_string(low) + " to " + std::to_string(high));
   }
 }
 
@@ -47,17 +47,26 @@ void Sweep::Tables::give_back(std::unique_ptr<SweepScratch> scratch) {
   idle.push_back(std::move(scratch));
 }
 
-Sweep::Sweep(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, const std::vector<VisibilityMap>& visibility,
-             const DisparityMap& behind, const SweepOptions& options) {
+Sweep::Sweep(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid,
+             const std::vector<VisibilityMap>& visibility, const DisparityMap& behind, const SweepOptions& options) {
   check_range("labels", options.labels, 2, kLabels);
   check_range("substeps", options.substeps, 1, 16);
   check_range("prior_cost", options.prior_cost, 0, 255);
-  if (!visibility.empty() && visibility.size() != frames.size()) throw std::logic_error("sweep: one visibility map per frame is needed");
+  if (!visibility.empty() && visibility.size() != frames.size())
+    throw std::logic_error("sweep: one visibility map per frame is needed");
   if (!behind.empty() && (behind.width != grid.width || behind.height != grid.height)) {
     throw std::logic_error("sweep: the disparity in front must have the grid's size");
   }
-  tables_.reset(new Tables{frames, grid, behind.empty() ? nullptr : &behind, options, LineTable(frames, grid, visibility, kHalo), 0, {}, {}});
-  for (const UprightFrame& frame : frames) tables_->longest_column = std::max(tables_->longest_column, frame.columns.width);
+  tables_.reset(new Tables{frames,
+                           grid,
+                           behind.empty() ? nullptr : &behind,
+                           options,
+                           LineTable(frames, grid, visibility, kHalo),
+                           0,
+                           {},
+                           {}});
+  for (const UprightFrame& frame : frames)
+    tables_->longest_column = std::max(tables_->longest_column, frame.columns.width);
 }
 
 Sweep::~Sweep() = default;

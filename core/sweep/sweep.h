@@ -18,15 +18,15 @@ namespace ldp {
 
 struct SweepOptions {
   int labels = kLabels;
-  int substeps = 3;        // depths tried inside each label's interval, the best kept
-  int prior_cost = 60;     // phi of a voxel that at most one camera sees, in 1/kCostScale grey levels
+  int substeps = 8;     // depths tried inside each label's interval, the best kept
+  int prior_cost = 36;  // phi of a voxel that one camera sees, in 1/kCostScale grey levels
 };
 
 class Sweep final : public CostSource {
  public:
   // `visibility` is empty (everything is visible) or has one map per frame. `behind` is empty, or gives for each pixel
-  // the disparity of the layers in front: labels at or in front of it get cost 255. What is referred to and not empty must
-  // outlive the sweep.
+  // the disparity of the layers in front: labels at or in front of it get cost 255. What is referred to and not empty
+  // must outlive the sweep.
   Sweep(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, const std::vector<VisibilityMap>& visibility,
         const DisparityMap& behind, const SweepOptions& options);
   ~Sweep() override;
@@ -46,7 +46,8 @@ class Sweep final : public CostSource {
 };
 
 // Disparity to sub-label precision: for every pixel of `labels`, the best of the fine steps inside its label's interval
-// (and up to half an interval into its neighbours' where the cost is lower), smoothed where the image gives no evidence.
+// (and up to half an interval into its neighbours' where the cost is lower), smoothed where the image gives no
+// evidence.
 DisparityMap refine(const Sweep& sweep, const Plane<uint8_t>& labels, const Job& job);
 
 }  // namespace ldp
