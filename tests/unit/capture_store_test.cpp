@@ -207,7 +207,7 @@ TEST_F(CaptureStoreTest, AMissingProgramSaysSo) {
 
 TEST_F(CaptureStoreTest, ABuildBeyondItsMemoryFailsAlone) {
   BuildChild child(
-      {script("x=$(head -c 300000000 /dev/zero | tr '\\0' 'a'); echo ${#x}; [ ${#x} -gt 1 ]"), {}, 64 << 20, 10});
+      {script("x=$(head -c 60000000 /dev/zero | tr '\\0' 'a'); echo ${#x}; [ ${#x} -gt 1 ]"), {}, 16 << 20, 10});
   EXPECT_FALSE(run_to_end(child).end.ok);
 }
 
