@@ -149,7 +149,8 @@ std::optional<BuildEnd> BuildChild::end() {
   if (::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
   read_errors();
   const bool ok = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-  end_ = BuildEnd{ok, ok ? std::string() : reason_of(status, error_text_)};
+  const bool verdict = WIFEXITED(status) && WEXITSTATUS(status) <= 1;
+  end_ = BuildEnd{ok, ok ? std::string() : reason_of(status, error_text_), !verdict};
   return end_;
 }
 
@@ -159,7 +160,7 @@ void BuildChild::kill() {
   int status = 0;
   while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
   }
-  end_ = BuildEnd{false, "the build was stopped"};
+  end_ = BuildEnd{false, "the build was stopped", true};
 }
 
 std::optional<BuildProgress> parse_progress(const std::string& line) {

@@ -29,6 +29,8 @@ struct BuildProgress {
 struct BuildEnd {
   bool ok = false;
   std::string reason;  // the last line of its standard error, or what killed it
+  // It came to no verdict on the frames (status 1): killed, a full disk, a wrong option. Another time may go better.
+  bool retry = false;
 };
 
 class BuildChild {

@@ -21,7 +21,7 @@ constexpr int64_t kLongPress_ns = 3 * kSecond_ns;
 constexpr int64_t kRest_ns = 30 * kSecond_ns;  // how long a result stays shown
 constexpr int64_t kGuidanceInterval_ns = kSecond_ns / 5;
 constexpr int64_t kButtonRetry_ns = 2 * kSecond_ns;
-constexpr int kMaxInterruptions = 20;  // of a build by power cuts, before it is left alone
+constexpr int kMaxInterruptions = 5;  // builds of a capture without a verdict, before it is left alone
 
 std::string frames_text(int frames) { return std::to_string(frames) + (frames == 1 ? " frame" : " frames"); }
 
@@ -89,6 +89,7 @@ int CaptureSession::run() {
   notice_.ready();
   while (!stopping_) turn();
   notice_.stopping();
+  tell_ignored(true);
   return exit_status_;
 }
 
@@ -161,6 +162,7 @@ void CaptureSession::check_deadlines(int64_t now_ns) {
   if (!backlog_.empty() && !build_ && !sweep_closing_) handle(Event::build_pending, "building an unfinished capture");
   open_statuses_again();
   open_button_again(now_ns);
+  tell_ignored(false);
   publish_status();
 }
 
@@ -261,7 +263,8 @@ void CaptureSession::continue_after_sweep() {
                                 ? "press, turn slowly through at least a quarter circle, press again"
                                 : storage_problem_;
     return fail_build("only " + frames_text(frames_stored_) + ", at least " + std::to_string(config_.min_frames) +
-                      " are needed: " + why);
+                          " are needed: " + why,
+                      false);
   }
   if (run_ == Run::capture_only) {
     publish(Result{capture_, config_.output, true, frames_text(frames_stored_), 0});
@@ -296,12 +299,12 @@ void CaptureSession::start_build() {
   try {
     store_.clear_building();
     BuildRecord record = store_.read_build_record(capture_);
-    ++record.interruptions;  // taken back when the build comes to an end of any kind
+    ++record.interruptions;  // taken back when the build comes to a verdict
     store_.write_build_record(capture_, record);
     build_ = std::make_unique<BuildChild>(build_command());
     say("building " + capture_);
   } catch (const std::exception& error) {
-    fail_build(error.what());
+    fail_build(error.what(), true);
   }
 }
 
@@ -319,11 +322,11 @@ void CaptureSession::stop_build(bool cancelled) {
 
 void CaptureSession::finish_build(const BuildEnd& end) {
   build_.reset();
-  if (!end.ok) return fail_build(end.reason);
+  if (!end.ok) return fail_build(end.reason, end.retry);
   try {
     store_.publish_panorama(capture_);
   } catch (const std::exception& error) {
-    return fail_build(error.what());
+    return fail_build(error.what(), true);
   }
   const double seconds = static_cast<double>(monotonic_now_ns() - sweep_end_ns_) * 1e-9;
   const std::string file = store_.panorama_of(capture_).string();
@@ -331,11 +334,13 @@ void CaptureSession::finish_build(const BuildEnd& end) {
   handle(Event::build_done, file + " is ready");
 }
 
-void CaptureSession::fail_build(const std::string& reason) {
+// With `retry` the next start tries again; else only a command does.
+void CaptureSession::fail_build(const std::string& reason, bool retry) {
   if (run_ != Run::capture_only) {
     try {
       store_.clear_building();
-      store_.write_build_record(capture_, {0, false, true, reason});
+      const int interruptions = retry ? store_.read_build_record(capture_).interruptions : 0;
+      store_.write_build_record(capture_, {interruptions, false, !retry, reason});
     } catch (const std::exception& error) {
       log_warning(error.what());
     }
@@ -473,6 +478,15 @@ void CaptureSession::publish_status() {
     left = 0;  // the folder went away; the next sweep will say so
   }
   publish(Status{phase_, capture_, text_, frames_stored_, left});
+}
+
+// Again only when there are ten times as many, and at the end.
+void CaptureSession::tell_ignored(bool at_end) {
+  int64_t ignored = 0;
+  for (const auto& status : statuses_) ignored += status->ignored();
+  if (ignored == ignored_told_ || (!at_end && ignored < 10 * ignored_told_)) return;
+  ignored_told_ = ignored;
+  log_warning("malformed messages ignored so far: " + std::to_string(ignored));
 }
 
 void CaptureSession::say(const std::string& text) {

@@ -66,7 +66,7 @@ class CaptureSession {
   void stop_build(bool cancelled);
   void finish_build(const BuildEnd& end);
   void continue_after_sweep();
-  void fail_build(const std::string& reason);
+  void fail_build(const std::string& reason, bool retry);
   BuildCommand build_command() const;
 
   void open_button_again(int64_t now_ns);
@@ -82,6 +82,7 @@ class CaptureSession {
 
   void publish(const StatusMessage& message);
   void publish_status();
+  void tell_ignored(bool at_end);
   void say(const std::string& text);
   int sweeps_left() const;
   std::filesystem::path capture_folder() const;
@@ -110,6 +111,7 @@ class CaptureSession {
   std::optional<int64_t> pressed_since_ns_;
   int64_t sweep_end_ns_ = 0, next_tick_ns_ = 0, next_button_try_ns_ = 0, rest_at_ns_ = 0, next_guidance_ns_ = 0;
   bool stopping_ = false;
+  int64_t ignored_told_ = 0;  // malformed messages, when they were last spoken of
   int exit_status_ = 0;
   std::string last_failure_;
 };

@@ -45,7 +45,7 @@ struct CaptureRecord {
 std::string capture_json(const CaptureRecord& record);
 
 struct BuildRecord {
-  int interruptions = 0;  // builds that were begun and never came to an end
+  int interruptions = 0;  // builds that were begun and came to no verdict
   bool cancelled = false, failed = false;
   std::string reason;
 };

@@ -20,6 +20,10 @@ class ConsoleStatus final : public StatusChannel {
     const std::string line = std::string(name_of(status.phase)) + ": " + status.text;
     if (line != last_status_) std::fprintf(stderr, "%s\n", line.c_str());  // repeats every second are for the network
     last_status_ = line;
+    if (status.frames_stored != last_stored_ && status.frames_stored > 0) {
+      std::fprintf(stderr, "stored: %d frames\n", status.frames_stored);
+    }
+    last_stored_ = status.frames_stored;
   }
 
   void say(const Progress& progress) {
@@ -42,7 +46,7 @@ class ConsoleStatus final : public StatusChannel {
   }
 
   std::string last_status_, last_stage_;
-  int last_frames_ = -1;
+  int last_frames_ = -1, last_stored_ = 0;
   Advice last_advice_ = Advice::keep_going;
 };
 

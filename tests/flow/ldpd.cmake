@@ -1,5 +1,6 @@
 if(LDP_DRIVERS)
-  ldp_test(ldpd_test SOURCES ldpd_test.cpp USES ldp_images ldp_drivers)
+  find_package(LCMLean REQUIRED)
+  ldp_test(ldpd_test SOURCES ldpd_test.cpp USES ldp_images ldp_drivers LCMLean::lcm)
   target_compile_definitions(ldpd_test PRIVATE LDPD_PROGRAM="$<TARGET_FILE:ldpd>" LDP_DEVICE_PROGRAM="$<TARGET_FILE:ldp-device>")
   add_dependencies(ldpd_test ldpd ldp-device)
 endif()

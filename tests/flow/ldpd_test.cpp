@@ -8,11 +8,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <lcm/lcm-cpp.hpp>
 #include <random>
 #include <sstream>
 #include <thread>
@@ -135,11 +137,10 @@ class LdpdTest : public testing::Test {
     }
   }
 
-  // Stands for `ldp build CAPTURE -o FILE ...`: does `before`, then writes FILE.
+  // Stands for `ldp build CAPTURE -o FILE ...`: begins FILE, does `before`, then ends it.
   void build_program(const std::string& before) {
-    std::ofstream(room_ / "build")
-        << "#!/bin/bash\ncapture=$2\n"
-        << before << "\nwhile [ $# -gt 0 ]; do [ \"$1\" = -o ] && ls \"$capture\" > \"$2\"; shift; done\n";
+    std::ofstream(room_ / "build") << "#!/bin/bash\ncapture=$2\nfile=$4\necho begun > \"$file\" || exit 2\n"
+                                   << before << "\n(ls \"$capture\"; echo ended) >> \"$file\" || exit 2\n";
     fs::permissions(room_ / "build", fs::perms::owner_all);
   }
   void script(const std::string& words) { std::ofstream(room_ / "script") << words << "\n"; }
@@ -175,6 +176,13 @@ class LdpdTest : public testing::Test {
     return frames;
   }
 
+  // The greatest number of frames that the console was told are stored.
+  int reported_stored() const {
+    const std::string said = text_of(room_ / "said");
+    const size_t at = said.rfind("stored: ");
+    return at == std::string::npos ? 0 : std::atoi(said.c_str() + at + 8);
+  }
+
   // Every frame under OUTPUT is byte by byte one of the camera's, and nothing temporary is left.
   void expect_whole(bool no_temporaries) const {
     std::vector<std::vector<uint8_t>> originals;
@@ -185,6 +193,9 @@ class LdpdTest : public testing::Test {
       }
       if (no_temporaries) {
         EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+      }
+      if (entry.path().extension() == ".ldp" && entry.path().parent_path() == room_ / "out") {
+        EXPECT_THAT(text_of(entry.path()), testing::EndsWith("ended\n")) << entry.path();
       }
     }
   }
@@ -363,6 +374,7 @@ TEST_F(LdpdTest, KilledAtAnyMomentNothingStoredIsLostAndTheNextStartBuildsIt) {
     }
     if (!fs::exists(capture())) continue;  // killed before the press
     stored = frames_in(capture());
+    EXPECT_GE(stored, reported_stored());
     expect_whole(false);
     script("wait 1");
     Process again(command({"--status", "console:"}), room_ / "said2");
@@ -395,37 +407,62 @@ TEST_F(LdpdTest, ABuildKilledAtAnyMomentIsAFailureAndTheServiceGoesOn) {
     EXPECT_EQ(frames_in(capture()), 14);
     EXPECT_FALSE(fs::exists(panorama()));
     EXPECT_TRUE(fs::is_empty(room_ / "out" / ".building"));
+    fs::remove(room_ / "said2");
+    script("wait 1");
+    Process again(command({}), room_ / "said2");
+    EXPECT_TRUE(again.says("sweep_000001.ldp is ready")) << "the next start does not try again";
+    again.stop(SIGTERM);
+    expect_whole(true);
+    script("press wait 400 release");
   }
 }
 
-// The disk fills up in mid-sweep, with so many KiB left for the writes that follow.
+// A small disk of its own, which is filled up but for so many KiB once the sweep has begun: every write in turn, of
+// frames, records and the panorama, is the first that does not fit. Then there is room again, and the next start
+// builds.
 TEST_F(LdpdTest, ADiskThatFillsUpKeepsEveryFrameThatWasStored) {
-  configure("reserve_mib = 0\n");
+  configure("reserve_mib = 0\nmin_frames = 3\n");
   fs::create_directories(room_ / "out");
-  const std::string out = (room_ / "out").string();
-  for (const int left_kib : {0, 4, 8, 12, 16, 24, 40}) {
+  const std::string out = (room_ / "out").string(), copy = (room_ / "copy").string();
+  const auto run = [&](const std::vector<std::string>& words) {
+    std::string line;
+    for (const std::string& word : words) line += "'" + word + "' ";
+    return line;
+  };
+  int without_room = 0, built_later = 0;
+  for (int left_kib = 0; left_kib <= 240; left_kib += kills() >= 100 ? 4 : 40) {
     SCOPED_TRACE(left_kib);
-    fs::remove(room_ / "said");
-    std::string line = "mount -t tmpfs -o size=40m none " + out + " || exit 99; (while [ ! -e " + out +
-                       "/sweep_000001/frame_002.jpg ]; do sleep 0.01; done; head -c $(($(df -k --output=avail " + out +
-                       " | tail -1) - " + std::to_string(left_kib) + "))K /dev/zero > " + out + "/filler) & ";
-    for (const std::string& word : command({"--once", "--status", "console:"})) line += "'" + word + "' ";
-    line += "; status=$?; rm -f " + out + "/filler; cp -r " + out + " " + (room_ / "copy").string() + "; exit $status";
-    const Finished run = Process({"unshare", "-rm", "bash", "-c", line}, room_ / "said").wait();
-    if (run.status == 99 || run.status == 127 || run.said.find("unshare") != std::string::npos) {
-      GTEST_SKIP() << "no small disk can be mounted here: " << run.said;
+    for (const char* const said : {"said", "said2"}) fs::remove(room_ / said);
+    script("press wait 400 release");
+    const std::string filler = "(until [ -e " + out +
+                               "/sweep_000001 ]; do sleep 0.002; done; head -c $(($(df -k --output=avail " + out +
+                               " | tail -1) - " + std::to_string(left_kib) + "))K /dev/zero > " + out + "/filler) & ";
+    const std::string line = "mount -t tmpfs -o size=32m none " + out + " || exit 99; " + filler +
+                             run(command({"--once", "--status", "console:"})) + "; status=$?; ls " + out +
+                             "/sweep_000001 > " + (room_ / "listed").string() + "; rm -f " + out +
+                             "/filler; echo 'wait 1' > " + (room_ / "script").string() + "; timeout 1 " +
+                             run(command({})) + " 2> " + (room_ / "said2").string() + "; cp -r " + out + " " + copy +
+                             "; exit $status";
+    const Finished first = Process({"unshare", "-rm", "bash", "-c", line}, room_ / "said").wait();
+    if (first.status == 99 || first.status == 127 || first.said.find("unshare") != std::string::npos) {
+      GTEST_SKIP() << "no small disk can be mounted here: " << first.said;
     }
-    EXPECT_THAT(run.said, HasSubstr("No space left on device")) << "the disk did not fill up";
-    const size_t stored_at = run.said.find(" frames are stored");
-    ASSERT_NE(stored_at, std::string::npos) << run.said;
-    const size_t number_at = run.said.rfind('(', stored_at) + 1;
-    EXPECT_GE(frames_in(room_ / "copy" / "sweep_000001"), std::atoi(run.said.c_str() + number_at));
+    if (first.status != 0) {
+      ++without_room;
+      EXPECT_THAT(first.said, HasSubstr("No space left on device"));
+    }
     fs::remove_all(room_ / "out");
-    fs::rename(room_ / "copy", room_ / "out");
+    fs::rename(copy, room_ / "out");
+    const int frames = frames_in(capture());
+    EXPECT_GE(frames, reported_stored()) << first.said;
+    EXPECT_EQ(fs::exists(panorama()), frames >= 3) << first.said << text_of(room_ / "said2");
+    if (first.status != 0 && fs::exists(panorama())) ++built_later;
     expect_whole(true);
     fs::remove_all(room_ / "out");
     fs::create_directories(room_ / "out");
   }
+  EXPECT_GE(without_room, 3);
+  EXPECT_GE(built_later, 1);
 }
 
 TEST_F(LdpdTest, TheMessagesOfASweepPassOverLcm) {
@@ -445,6 +482,77 @@ TEST_F(LdpdTest, TheMessagesOfASweepPassOverLcm) {
   EXPECT_EQ(kinds[1], 1);
   EXPECT_GT(kinds[2], 0);
   EXPECT_EQ(kinds[3], 1);
+}
+
+TEST_F(LdpdTest, ARecordedSessionReplaysThroughLdpWatch) {
+  const std::string url = "udpm://239.255.76.73:7693?ttl=0";
+  std::unique_ptr<StatusListener> listener;
+  try {
+    listener = open_status_listener("lcm:" + url);
+  } catch (const std::exception& error) {
+    GTEST_SKIP() << error.what();
+  }
+  const fs::path log = room_ / "session.log";
+  {
+    Process logger({"lcm-logger", "--lcm-url=" + url, "--flush-interval=10", log.string()}, room_ / "logger");
+    // Its file appears when it has seen something.
+    for (int i = 0; i < 200 && (!fs::exists(log) || fs::file_size(log) == 0); ++i) {
+      listener->send(Command::release);
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+    if (!fs::exists(log) || fs::file_size(log) == 0)
+      GTEST_SKIP() << "no lcm-logger, or multicast does not come back here";
+    Process service(command({"--once", "--status", "lcm:" + url}), room_ / "said");
+    EXPECT_EQ(service.wait().status, 0);
+    std::this_thread::sleep_for(milliseconds(100));
+    logger.stop(SIGINT);
+  }
+  std::vector<std::string> heard;
+  while (const auto message = listener->read())
+    heard.push_back("\"monotonic_ns\":" + std::to_string(message->monotonic_ns));
+  const std::string watch = std::string(LDP_DEVICE_PROGRAM) + " watch --json --status 'lcm:file://" + log.string() +
+                            "?speed=0' > " + (room_ / "replayed").string();
+  EXPECT_EQ(Process({"bash", "-c", watch}, room_ / "watch").wait().status, 0) << text_of(room_ / "watch");
+  const std::string replayed = text_of(room_ / "replayed");
+  EXPECT_GT(heard.size(), 5U);
+  for (const std::string& message : heard) EXPECT_THAT(replayed, HasSubstr(message));
+  EXPECT_EQ(static_cast<size_t>(std::count(replayed.begin(), replayed.end(), '\n')), heard.size());
+  for (const char* const type : {"status", "progress", "guidance", "result"}) {
+    EXPECT_THAT(replayed, HasSubstr("\"type\":\"" + std::string(type) + "\""));
+  }
+}
+
+// Noise on every channel, commands among them: the service counts it and goes on as if nothing had been.
+TEST_F(LdpdTest, AHundredThousandRandomDatagramsOnEveryChannelChangeNothingButACounter) {
+  const std::string url = "udpm://239.255.76.74:7694?ttl=0";
+  lcm::LCM stranger(url);
+  if (!stranger.good()) GTEST_SKIP() << "no multicast here (ip route add 224.0.0.0/4 dev lo)";
+  script("wait 1");
+  Process service(command({"--status", "lcm:" + url, "--status", "console:"}), room_ / "said");
+  ASSERT_TRUE(service.says("ready"));
+  std::mt19937 random(3);
+  std::array<uint8_t, 256> noise{};
+  for (int i = 0; i < 100'000; ++i) {
+    const size_t at = random() % noise.size();
+    noise[at] = static_cast<uint8_t>(random());
+    for (const char* const channel : {"LDP_COMMAND", "LDP_STATUS", "LDP_PROGRESS", "LDP_GUIDANCE", "LDP_RESULT"}) {
+      stranger.publish(channel, noise.data(), static_cast<unsigned>(random() % noise.size()));
+    }
+  }
+  if (text_of(room_ / "said").find("ignored so far") == std::string::npos && !service.says("ignored so far", 3)) {
+    service.stop(SIGKILL);
+    GTEST_SKIP() << "multicast does not come back here";
+  }
+  EXPECT_THAT(text_of(room_ / "said"), Not(HasSubstr("capturing")));
+  EXPECT_FALSE(fs::exists(capture()));
+  const auto person = open_status_listener("lcm:" + url);
+  for (int i = 0; i < 100 && !service.says("capturing", 0); ++i) {
+    person->send(Command::press);
+    std::this_thread::sleep_for(milliseconds(20));
+  }
+  EXPECT_TRUE(service.says("capturing", 5));
+  const std::string said = service.stop(SIGTERM).said;
+  EXPECT_GE(std::atoi(said.c_str() + said.rfind("ignored so far: ") + 16), 1000);
 }
 
 TEST_F(LdpdTest, LdpCaptureWritesACaptureFolderAndNothingElse) {

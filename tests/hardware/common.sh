@@ -50,7 +50,10 @@ sleep "${BUILD_SECONDS:-0}"
 while [ $# -gt 0 ]; do [ "$1" = -o ] && ls "$capture" >"$2"; shift; done
 BUILD
   chmod +x /tmp/build
-  { printf '[build]\nprogram = "/tmp/build"\n[sweep]\n'; printf '%s\n' "$@"; } >/tmp/ldpd.toml
+  {
+    printf '[build]\nprogram = "%s"\noptions = [%s]\n[sweep]\n' "${BUILD_PROGRAM:-/tmp/build}" "${BUILD_OPTIONS:-}"
+    printf '%s\n' "$@"
+  } >/tmp/ldpd.toml
 }
 
 start_service() {
@@ -62,7 +65,7 @@ start_service() {
 }
 
 await() {
-  local until=$((SECONDS + 40))
+  local until=$((SECONDS + ${2:-40}))
   until grep -q "$1" "$said"; do
     [ "$SECONDS" -lt "$until" ] || fail "it never said '$1'"
     kill -0 "$service" 2>/dev/null || fail "the service died before it said '$1'"
@@ -82,6 +85,24 @@ expect_capture() {
   done
   grep -q '"frames"' "$folder/capture.json" || fail "$folder has no capture.json"
   [ -z "$(find "$out" -name '*.tmp')" ] || fail "temporary files are left"
+}
+
+# Every frame that was ever reported stored over LCM is there. /tmp/heard is what `ldp watch --json` printed.
+listen() { ldp watch --json --status 'lcm:udpm://239.255.76.67:7667?ttl=0' >/tmp/heard & }
+expect_reported() {
+  python3 - "$out" <<'CHECK' || fail "frames that were reported stored are missing"
+import glob, json, sys
+stored = {}
+for line in open("/tmp/heard"):
+    if not line.endswith("}\n"):
+        continue
+    said = json.loads(line)
+    if said["type"] == "status" and said["capture"]:
+        stored[said["capture"]] = max(stored.get(said["capture"], 0), said["frames_stored"])
+missing = {name: (n, len(glob.glob(f"{sys.argv[1]}/{name}/frame_*.jpg"))) for name, n in stored.items()}
+print("reported stored, there:", missing)
+sys.exit(0 if len(missing) > 3 and all(there >= said for said, there in missing.values()) else 1)
+CHECK
 }
 
 expect_running() { kill -0 "$service" 2>/dev/null || fail "the service is not running any more"; }

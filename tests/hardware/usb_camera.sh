@@ -1,8 +1,12 @@
 #!/bin/bash
 # A USB camera on the stock uvcvideo driver that shows the frames of a synthetic sweep: what is stored is byte by byte
-# what the camera sent; pulled out in mid-sweep, what was taken is built.
+# what the camera sent, and its panorama shows the views of one built from the same frames directly; pulled out in
+# mid-sweep, what was taken is built.
+#   usb_camera.sh FRAMES PANORAMA BUILD_OPTION ...      PANORAMA = built from FRAMES with these options
 . "$(dirname "$0")/common.sh"
 frames=$1
+panorama=$2
+shift 2
 some_frames='sweep: \([4-9]\|[1-9][0-9]\) frames'
 
 plug() {
@@ -26,8 +30,27 @@ sys.exit(0 if order == sorted(set(order)) else str(order))
 CHECK
 }
 
+# The views are those of the panorama built directly: nearly all pixels the same to a few grey levels.
+expect_views() {
+  ldp render "$1" --path sway --frames 3 -o /tmp/views || fail "$1 cannot be rendered"
+  ldp render "$panorama" --path sway --frames 3 -o /tmp/direct || fail "$panorama cannot be rendered"
+  python3 - <<'CHECK' || fail "$1 shows other views than $panorama"
+import glob, math, sys
+import numpy, PIL.Image
+good = 0
+for name in sorted(glob.glob("/tmp/direct/*.png")):
+    a, b = (numpy.asarray(PIL.Image.open(f).convert("RGBA"), float) for f in (name, name.replace("direct", "views")))
+    psnr = 10 * math.log10(255**2 / max(((a - b) ** 2).mean(), 1e-6))
+    print(f"{name}: {psnr:.1f} dB")
+    good += psnr > 40 and a[..., :3].std() > 20
+sys.exit(0 if good == 3 else 1)
+CHECK
+}
+
 make_button
-configure 'min_frames = 3' 'lost_after_seconds = 5'
+BUILD_PROGRAM=$(command -v ldp)
+BUILD_OPTIONS=$(printf '"%s",' "$@")
+configure 'min_frames = 3' 'lost_after_seconds = 5' 'overlap = 0.95'  # every frame of the camera is kept
 plug 4 4
 start_service --camera v4l2:/dev/video0
 
@@ -38,14 +61,18 @@ await "capturing: turn"
 await "sweep: \($((count - 1))\|$count\) frames"
 sleep 2
 release
-await "sweep_000001.ldp is ready"
+await "sweep_000001.ldp is ready" 400
 expect_capture "$out/sweep_000001" "$count"
 expect_camera_frames "$out/sweep_000001"
+expect_views "$out/sweep_000001.ldp"
 grep -q "Simulated USB camera" "$out/sweep_000001/capture.json" || fail "the camera's name is missing"
 grep -q '"pixel_format": "mjpeg"' "$out/sweep_000001/capture.json" || fail "not MJPEG"
 
 echo "the plug is pulled in mid-sweep"
-forget
+stop_service
+unset BUILD_PROGRAM BUILD_OPTIONS
+configure 'min_frames = 3' 'lost_after_seconds = 5'
+start_service --camera v4l2:/dev/video0
 press
 await "$some_frames"
 kill -9 "$camera"

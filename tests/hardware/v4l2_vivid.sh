@@ -18,7 +18,9 @@ sweep() {  # SECONDS [BOUNCE_MS]
 make_button
 configure 'min_frames = 3' 'lost_after_seconds = 2'
 move_picture
-start_service --camera "$camera"
+listen
+start() { start_service --camera "$camera" --status 'lcm:udpm://239.255.76.67:7667?ttl=0'; }
+start
 
 echo "a sweep from press to release"
 press
@@ -50,6 +52,33 @@ await "are needed"
 press; sleep 0.1; release; sleep 0.3
 number=$((number + 1))
 expect_running
+
+echo "a press while building is refused, and nothing is lost"
+stop_service
+export BUILD_SECONDS=3
+start
+sweep 0
+await "building: building"
+captures=$(find "$out" -maxdepth 1 -type d -name 'sweep_*' | wc -l)
+press; await "please wait"; release
+await "ldp is ready"
+[ "$(find "$out" -maxdepth 1 -type d -name 'sweep_*' | wc -l)" = "$captures" ] || fail "the press began a sweep"
+stop_service
+unset BUILD_SECONDS
+
+echo "a button held for ever: the sweep ends by itself, and letting go later begins nothing"
+configure 'min_frames = 3' 'lost_after_seconds = 2' 'max_seconds = 5'
+start
+press
+await "the sweep is complete"
+await "ldp is ready"
+sleep 3.5
+release
+sleep 0.5
+[ "$(grep -c 'capturing: turn' "$said")" = 1 ] || fail "more than one sweep"
+stop_service
+configure 'min_frames = 3' 'lost_after_seconds = 2'
+start
 
 echo "streaming cannot start: a failure, and the next sweep works"
 forget
@@ -90,14 +119,23 @@ forget
 sweep 0
 await "ldp is ready"
 
-echo "the driver goes away in mid-sweep"
+echo "the driver goes away in mid-sweep: it cannot be unloaded while the camera streams, only unbound"
 forget
 press; await "$some_frames"
+modprobe -r -d "$(cat /run/job/module-root)" vivid 2>/dev/null && fail "vivid let itself be unloaded in mid-sweep"
 echo vivid.0 >/sys/bus/platform/drivers/vivid/unbind
 await "storing"
 release
 await "ldp is ready"
 expect_running
+modprobe -r -d "$(cat /run/job/module-root)" vivid || fail "vivid is still held by the service"
+modprobe -d "$(cat /run/job/module-root)" vivid n_devs=1
+sleep 1
+move_picture
+forget
+sweep 0
+await "ldp is ready"
+expect_reported
 
 for folder in "$out"/sweep_*/; do
   for frame in "$folder"frame_*.jpg; do
@@ -106,9 +144,14 @@ for folder in "$out"/sweep_*/; do
   done
 done
 
-echo "the button goes away: the service stays"
+echo "the button goes away: the service stays; it comes back: the next sweep works"
+forget
 echo 0 >/sys/kernel/config/gpio-sim/box/live
-sleep 1
+await "the button was lost"
 expect_running
+make_button
+await "the button is there"
+sweep 0
+await "ldp is ready"
 stop_service
 echo "all good"
