@@ -67,13 +67,12 @@ CaptureSession::CaptureSession(Config config, Run run, std::stop_token stop)
   }
   for (const std::string& url : config_.status) pending_statuses_.push_back({url, {}});
   open_statuses_again();
+  store_.prepare();
   if (run_ != Run::service) {
-    camera_ = open_camera(config_.camera);
     button_ = open_button(config_.button);
-    store_.prepare();
+    camera_ = open_camera(config_.camera);
     return;
   }
-  store_.prepare();
   for (const CaptureState& capture : store_.recover()) {
     const BuildRecord& build = capture.build;
     const bool wants = !capture.built && !build.cancelled && !build.failed && build.interruptions < kMaxInterruptions;
@@ -85,7 +84,7 @@ CaptureSession::CaptureSession(Config config, Run run, std::stop_token stop)
 // --- the loop --------------------------------------------------------------------------------------------------------
 
 int CaptureSession::run() {
-  say("ready");
+  say(ready_text());
   notice_.ready();
   while (!stopping_) turn();
   notice_.stopping();
@@ -155,7 +154,7 @@ void CaptureSession::check_deadlines(int64_t now_ns) {
   }
   if (rest_at_ns_ != 0 && now_ns >= rest_at_ns_) {
     rest_at_ns_ = 0;
-    handle(Event::rest, "ready");
+    handle(Event::rest, ready_text());
   }
   if (now_ns < next_tick_ns_) return;
   next_tick_ns_ = now_ns + kSecond_ns;
@@ -399,6 +398,7 @@ void CaptureSession::serve_button() {
     log_warning(std::string("the button was lost: ") + error.what());
     button_.reset();
     pressed_since_ns_.reset();
+    if (phase_ == Phase::idle) say(ready_text());
   }
 }
 
@@ -445,6 +445,7 @@ void CaptureSession::open_button_again(int64_t now_ns) {
   try {
     button_ = open_button(config_.button);
     if (!first_try) log_note("the button is there: " + config_.button);
+    if (phase_ == Phase::idle && !text_.empty()) say(ready_text());
   } catch (const std::exception& error) {
     if (first_try) log_warning(std::string(error.what()) + "; trying again every 2 s");
   }
@@ -494,6 +495,10 @@ void CaptureSession::say(const std::string& text) {
   text_ = text;
   notice_.status(std::string(name_of(phase_)) + ": " + text);
   publish_status();
+}
+
+std::string CaptureSession::ready_text() const {
+  return button_ ? "ready" : "ready for commands only: the button is missing (" + config_.button + ")";
 }
 
 int CaptureSession::sweeps_left() const {

@@ -84,6 +84,7 @@ class CaptureSession {
   void publish_status();
   void tell_ignored(bool at_end);
   void say(const std::string& text);
+  std::string ready_text() const;
   int sweeps_left() const;
   std::filesystem::path capture_folder() const;
 

@@ -111,7 +111,9 @@ std::string capture_json(const CaptureRecord& record) {
 }
 
 void CaptureStore::prepare() const {
-  fs::create_directories(output_);
+  std::error_code error;
+  fs::create_directories(output_, error);
+  if (error) throw std::runtime_error("cannot make the folder " + output_.string() + ": " + error.message());
   if (::access(output_.c_str(), W_OK) != 0) throw_errno("cannot write into " + output_.string());
 }
 

@@ -189,6 +189,18 @@ class Reader {
 
 }  // namespace
 
+std::vector<ConfigMistake> wrong_devices(const Config& config) {
+  std::vector<ConfigMistake> mistakes;
+  const auto check = [&](const char* what, const std::string& url, const char* schemes) {
+    const std::string wrong = wrong_url(url, schemes);
+    if (!wrong.empty()) mistakes.push_back({0, std::string(what) + ": " + wrong});
+  };
+  check("camera", config.camera, kCameras);
+  check("button", config.button, kButtons);
+  for (const std::string& status : config.status) check("status", status, kStatuses);
+  return mistakes;
+}
+
 CheckedConfig parse_config(const std::string& toml_text) {
   CheckedConfig checked;
   try {

@@ -46,6 +46,9 @@ struct CheckedConfig {
   std::vector<ConfigMistake> mistakes;  // in the order of the file
 };
 
+// The kinds of camera, button and status, wherever they were named; line 0.
+std::vector<ConfigMistake> wrong_devices(const Config& config);
+
 CheckedConfig parse_config(const std::string& toml_text);
 CheckedConfig read_config(const std::filesystem::path& file);
 

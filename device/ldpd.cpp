@@ -11,6 +11,7 @@
 namespace {
 
 constexpr int kBadConfiguration = 78;  // EX_CONFIG: systemd is told not to start again
+constexpr int kBadArguments = 2;
 constexpr const char* kDefaultConfig = "/etc/ldpd.toml";
 
 struct Arguments {
@@ -58,6 +59,9 @@ bool read_configuration(const Arguments& arguments, ldp::Config& config) {
 int serve(const Arguments& arguments) {
   ldp::Config config;
   if (!read_configuration(arguments, config)) return kBadConfiguration;
+  const std::vector<ldp::ConfigMistake> wrong = ldp::wrong_devices(config);
+  for (const ldp::ConfigMistake& mistake : wrong) std::fprintf(stderr, "ldpd: --%s\n", mistake.text.c_str());
+  if (!wrong.empty()) return kBadArguments;
   if (arguments.print_config) std::fputs(ldp::config_text(config).c_str(), stdout);
   if (arguments.print_config || arguments.check_config) return 0;
   ldp::CaptureSession session(config, arguments.once ? ldp::Run::once : ldp::Run::service);
@@ -75,7 +79,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     std::fprintf(stderr, "ldpd: %s\n", error.what());
-    return 2;
+    return kBadArguments;
   }
   try {
     return serve(arguments);

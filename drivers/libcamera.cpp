@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <map>
@@ -171,6 +172,7 @@ struct Session {
   bool running = false;
 
   Session() {
+    ::setenv("LIBCAMERA_LOG_LEVELS", "WARN", 0);  // what it says of itself belongs in nobody's log
     if (manager.start() != 0)
       throw std::runtime_error("libcamera cannot start; are the camera's device files readable?");
   }

@@ -280,6 +280,24 @@ TEST_F(LdpdTest, BadConfigurationIsExitStatus78WithTheLine) {
   EXPECT_THAT(run.said, HasSubstr("ldpd.toml:1: camera"));
 }
 
+TEST_F(LdpdTest, AnUnknownKindOfDeviceIsRefusedAtOnce) {
+  std::vector<std::string> words = command({});
+  words[6] = "switch:1";
+  const Finished run = Process(words, room_ / "said").wait();
+  EXPECT_EQ(run.status, 2);
+  EXPECT_THAT(run.said, HasSubstr("--button: unknown kind 'switch:'; known: gpiod script keyboard"));
+}
+
+TEST_F(LdpdTest, WithoutItsButtonItSaysSoAndWaits) {
+  std::vector<std::string> words = command({"--status", "console:"});
+  fs::remove(room_ / "script");
+  Process service(words, room_ / "said");
+  ASSERT_TRUE(service.says("the button is missing (script:"));
+  script("press wait 700 release");
+  EXPECT_TRUE(service.says("sweep_000001.ldp is ready"));
+  service.stop(SIGTERM);
+}
+
 TEST_F(LdpdTest, APressWhileBuildingIsRefusedAndNothingIsLost) {
   build_program("sleep 0.6");
   script("press wait 700 release wait 200 press wait 50 release wait 1500 press wait 700 release");

@@ -34,7 +34,7 @@ CHECK
 expect_views() {
   ldp render "$1" --path sway --frames 3 -o /tmp/views || fail "$1 cannot be rendered"
   ldp render "$panorama" --path sway --frames 3 -o /tmp/direct || fail "$panorama cannot be rendered"
-  python3 - <<'CHECK' || fail "$1 shows other views than $panorama"
+  /usr/bin/python3 - <<'CHECK' || fail "$1 shows other views than $panorama"
 import glob, math, sys
 import numpy, PIL.Image
 good = 0
