@@ -82,7 +82,7 @@ std::vector<uint8_t> write_container(const std::vector<NewChunk>& chunks) {
     offset += chunk.bytes.size();
   }
   ByteWriter file;
-  file.bytes.reserve(offset);
+  file.bytes.reserve(static_cast<size_t>(offset));  // all of it is in memory already
   file.append(kMagic);
   file.u32(kLdpVersion);
   file.u32(static_cast<uint32_t>(chunks.size()));

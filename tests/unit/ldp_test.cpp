@@ -193,7 +193,7 @@ TEST(LdpReader, DamageInOneStripLeavesTheOthersReadable) {
   options.width = 1100;
   std::vector<uint8_t> file = encode_ldp(synthetic_panorama(options), kLossless);
   for (const LdpChunk& chunk : describe_ldp(file).chunks)
-    if (chunk.type == "DPTH" && chunk.layer == 0 && chunk.strip == 1) file[chunk.offset + chunk.length / 2] ^= 1;
+    if (chunk.type == "DPTH" && chunk.layer == 0 && chunk.strip == 1) file[static_cast<size_t>(chunk.offset + chunk.length / 2)] ^= 1;
   const LdpReader reader(file);
   EXPECT_NO_THROW(reader.read_layer(0, {0, 512}, true));
   EXPECT_NO_THROW(reader.read_layer(1));
@@ -241,7 +241,7 @@ TEST(LdpErrors, DamageBehindRightChecksumsIsRefusedOrDecodesToSomethingLawful) {
   options.block_px = 8;
   options.alpha = true;
   const std::vector<uint8_t> file = encode_ldp(synthetic_panorama(options), {});
-  const size_t head_end = describe_ldp(file).chunks[0].offset + 8;
+  const auto head_end = static_cast<size_t>(describe_ldp(file).chunks[0].offset + 8);
   int decoded = 0;
   for (int i = 0; i < 4000; ++i) {
     std::vector<uint8_t> damaged = file;
@@ -265,7 +265,7 @@ TEST(LdpErrors, AreClearWords) {
   EXPECT_EQ(with(4, {'\n'}, false),
             "header at offset 0: the file was changed on its way: it must be transferred as binary, not as text");
   EXPECT_EQ(with(8, {2}, true), "header at offset 0: version: expected 1, found 2 (a newer program may read it)");
-  const auto head = describe_ldp(file).chunks[0].offset;
+  const auto head = static_cast<size_t>(describe_ldp(file).chunks[0].offset);
   const std::string where = "chunk HEAD at offset " + std::to_string(head);
   EXPECT_EQ(with(head, {0xFF, 0xFF, 0, 0, 0xFF, 0x3F, 0, 0}, true),
             where + ": height: expected 1 to 16368, found 16383");

@@ -20,6 +20,8 @@ add_library(ldp_defaults INTERFACE)
 target_compile_options(ldp_defaults INTERFACE -ffp-contract=off)
 target_compile_options(ldp_defaults INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
                                               -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual)
+# 32-bit systems: files and file systems beyond 2 GiB.
+target_compile_definitions(ldp_defaults INTERFACE _FILE_OFFSET_BITS=64)
 if(LDP_WERROR)
   target_compile_options(ldp_defaults INTERFACE -Werror)
 endif()
