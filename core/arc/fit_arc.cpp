@@ -8,6 +8,7 @@
 #include <string>
 
 #include "arc.h"
+#include "exact_math.h"
 #include "job.h"
 
 namespace ldp {
@@ -24,6 +25,10 @@ constexpr double kRadialSigma = 0.02;           // centres off the circle, as a 
 constexpr double kTangentialSigma = 0.20;       // the same along the circle, against where the camera looks
 constexpr double kRoughest = 0.2;               // radial residual, in radii, of what still counts as going round
 constexpr double kStraightAngle = 8 * kDegree;  // a path that bends less than this counts as straight
+
+// The circle is rounded to this share of its radius and of a radian, a hundred-thousandth of a pixel: the last bits of
+// a fit depend on the processor.
+constexpr int kFitBits = 24;
 
 double cauchy_weight(double squared) { return 1 / (1 + squared); }
 
@@ -105,6 +110,42 @@ std::optional<Circle> circle_through_centres(const std::vector<FlatCamera>& came
   const double squared = x.z() + x.head<2>().squaredNorm();
   if (!x.allFinite() || squared <= 0) return std::nullopt;
   return Circle{x.head<2>(), std::sqrt(squared)};
+}
+
+Eigen::Vector3d rounded_direction(const Eigen::Vector3d& v) {
+  const Eigen::Vector3d r(rounded(v.x(), kFitBits), rounded(v.y(), kFitBits), rounded(v.z(), kFitBits));
+  return r / std::sqrt(exact_dot(r, r));
+}
+
+Circle rounded_circle(const Circle& circle) {
+  const double scale = circle.radius > 0 ? circle.radius : 1;
+  return {{rounded(circle.centre.x(), kFitBits, scale), rounded(circle.centre.y(), kFitBits, scale)},
+          rounded(circle.radius, kFitBits, scale)};
+}
+
+// Axes of the arc's plane, the third one the given one.
+Eigen::Matrix3d frame_around(const Eigen::Vector3d& axis) {
+  const Eigen::Vector3d& a = axis;
+  const bool flat = std::abs(a.x()) < std::abs(a.z()) && std::abs(a.y()) < std::abs(a.z());
+  const Eigen::Vector3d across = flat ? Eigen::Vector3d(0, -a.z(), a.y()) : Eigen::Vector3d(-a.y(), a.x(), 0);
+  Eigen::Matrix3d frame;
+  frame.col(0) = across / std::sqrt(exact_dot(across, across));
+  const Eigen::Vector3d b = frame.col(0);
+  frame.col(1) =
+      Eigen::Vector3d(a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x());
+  frame.col(2) = a;
+  return frame;
+}
+
+// The frame turned by an angle around its third axis.
+Eigen::Matrix3d turned(const Eigen::Matrix3d& frame, double angle) {
+  const auto [s, c] = exact_sine_cosine(angle);
+  Eigen::Matrix3d result = frame;
+  for (int i = 0; i < 3; ++i) {
+    result(i, 0) = c * frame(i, 0) + s * frame(i, 1);
+    result(i, 1) = c * frame(i, 1) - s * frame(i, 0);
+  }
+  return result;
 }
 
 // Residuals of the flat fit, in standard deviations: how far the centres lie off the circle, and how far they lie from
@@ -273,11 +314,8 @@ void check(const std::vector<Camera>& cameras, const ArcOptions& options) {
 
 ArcFit fit_arc(const std::vector<Camera>& cameras, const ArcOptions& options) {
   check(cameras, options);
-  const Eigen::Vector3d axis = fit_axis(cameras), middle = mean_centre(cameras);
-  Eigen::Matrix3d world_from_flat;
-  world_from_flat.col(0) = axis.unitOrthogonal();
-  world_from_flat.col(1) = axis.cross(world_from_flat.col(0));
-  world_from_flat.col(2) = axis;
+  const Eigen::Vector3d axis = rounded_direction(fit_axis(cameras)), middle = mean_centre(cameras);
+  const Eigen::Matrix3d world_from_flat = frame_around(axis);
 
   std::vector<FlatCamera> flat;
   for (const Camera& camera : cameras) {
@@ -290,9 +328,10 @@ ArcFit fit_arc(const std::vector<Camera>& cameras, const ArcOptions& options) {
   ArcFit fit;
   fit.straight = !circle || (!one_place && chord(flat).first < kStraightAngle * circle->radius);
   if (fit.straight) circle = straight_circle(flat, options.straight_radius_factor);
+  circle = rounded_circle(*circle);
 
   std::vector<double> heights;
-  for (const Camera& camera : cameras) heights.push_back(axis.dot(camera.pose.centre - middle));
+  for (const Camera& camera : cameras) heights.push_back(exact_dot(axis, camera.pose.centre - middle));
   std::vector<double> sorted = heights;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
   const double level = sorted[sorted.size() / 2];
@@ -308,13 +347,13 @@ ArcFit fit_arc(const std::vector<Camera>& cameras, const ArcOptions& options) {
   }
   const bool round = fit.straight || std::sqrt(squared) < kRoughest * circle->radius;
   const Angles of_sights = run_of_angles(sights), angles = round ? run_of_angles(places) : of_sights;
-  const double zero = 0.5 * (angles.low + angles.high);  // theta = 0 in the middle of the sweep
+  const double zero = rounded(0.5 * (angles.low + angles.high), kFitBits);  // theta = 0 in the middle of the sweep
   Arc& arc = fit.arc;
-  arc.centre = middle + world_from_flat * Eigen::Vector3d(circle->centre.x(), circle->centre.y(), level);
-  arc.world_from_arc = world_from_flat * Eigen::AngleAxisd(zero, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  arc.centre = middle + exact_product(world_from_flat, {circle->centre.x(), circle->centre.y(), level});
+  arc.world_from_arc = turned(world_from_flat, zero);
   arc.radius = circle->radius;
-  arc.theta_begin = angles.low - zero;
-  arc.theta_end = angles.high - zero;
+  arc.theta_begin = rounded(angles.low - zero, kFitBits);
+  arc.theta_end = rounded(angles.high - zero, kFitBits);
   const Intrinsics& k = cameras.front().intrinsics;
   arc.closed = !fit.straight && comes_back(of_sights, std::atan2(0.5 * k.width, k.fx));
   if (arc.closed) {

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "arc.h"
+#include "exact_math.h"
 
 namespace ldp {
 namespace {
@@ -15,6 +16,10 @@ constexpr double kLowestShare = 0.02;    // percentiles of the points' inverse d
 constexpr double kMargin = 1.15;         // on the near side, for what no feature point was found on
 constexpr double kFarRadii = 100;        // farther than this many radii is infinity
 constexpr double kFarLabels = 1.5 / 15;  // so is what lies so little of the range from it: skies have no feature points
+
+// Found from points and photos, the range and the borders need no more digits; further ones depend on the processor.
+constexpr int kRangeBits = 9;    // of the inverse depths
+constexpr int kBorderBits = 20;  // of a radian
 
 struct InverseDepths {
   double far = 0, near = 0;
@@ -54,12 +59,15 @@ InverseDepths depth_range(const PanoramaGrid& grid, const std::vector<Camera>& c
     range.near = std::min(range.near, 1 / std::max(nearest_depth(grid.arc, cameras), 1e-12));
     range.far = std::min(range.far, 0.5 * range.near);
   }
+  range.near = rounded(range.near, kRangeBits, range.near);
   if (options.near_depth > 0) range.near = 1 / options.near_depth;
   range.near = std::max(range.near, 1 / (kFarRadii * scale));
   if (options.far_depth > 0) {
     range.far = 1 / options.far_depth;
   } else if (range.far * kFarRadii * scale < 1 || range.far < kFarLabels * range.near) {
     range.far = 0;
+  } else {
+    range.far = rounded(range.far, kRangeBits, range.near);
   }
   return range;
 }
@@ -92,6 +100,7 @@ bool meets(const PanoramaGrid& grid, const Pose& pose, const Eigen::Vector3d& ra
 struct Extent {
   double low = 0, high = 0;
   void take(double value) { low = std::min(low, value), high = std::max(high, value); }
+  void round() { low = rounded(low, kBorderBits), high = rounded(high, kBorderBits); }
 };
 
 std::array<Eigen::Vector2d, 8> border(const Intrinsics& k) {
@@ -130,6 +139,8 @@ void extend(const PanoramaGrid& grid, const std::vector<Camera>& cameras, Extent
   }
   v.take(std::max(near_v.low, kTallest * v.low));
   v.take(std::min(near_v.high, kTallest * v.high));
+  theta.round();
+  v.round();
 }
 
 // No panorama is wider than its photos side by side: more columns would only repeat what they hold.

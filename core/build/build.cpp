@@ -9,6 +9,7 @@
 #include "arc.h"
 #include "colour.h"
 #include "debug_pictures.h"
+#include "exact_math.h"
 #include "layers.h"
 #include "rectify.h"
 #include "sweep.h"
@@ -236,7 +237,7 @@ class Build {
     const Arc& arc = grid_.arc;
     double height = 0;
     for (const Camera& camera : poses_.cameras)
-      height = std::max(height, std::abs((camera.pose.centre - arc.centre).dot(arc.axis())));
+      height = std::max(height, std::abs(exact_dot(camera.pose.centre - arc.centre, arc.axis())));
     return {0.5 * arc.radius, 1.25 * arc.radius, height + 0.1 * arc.radius};
   }
 

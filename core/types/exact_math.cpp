@@ -32,10 +32,14 @@ SineCosine exact_sine_cosine(double angle_rad) {
   const double rest = (angle_rad - quarter * kHalfPiHigh) - quarter * kHalfPiLow;
   const double s = sine_series(rest), c = cosine_series(rest);
   switch (static_cast<long long>(quarter) & 3) {
-    case 0: return {s, c};
-    case 1: return {c, -s};
-    case 2: return {-s, -c};
-    default: return {-c, s};
+    case 0:
+      return {s, c};
+    case 1:
+      return {c, -s};
+    case 2:
+      return {-s, -c};
+    default:
+      return {-c, s};
   }
 }
 
@@ -58,6 +62,13 @@ double exact_exp(double x) {
   double sum = 1;
   for (int k = 16; k >= 1; --k) sum = 1 + sum * rest / k;
   return std::ldexp(sum, static_cast<int>(power));
+}
+
+double rounded(double x, int bits, double scale) {
+  int exponent = 0;
+  std::frexp(scale, &exponent);
+  const double step = std::ldexp(1.0, exponent - 1 - bits);
+  return std::floor(x / step + 0.5) * step;
 }
 
 }  // namespace ldp

@@ -13,6 +13,7 @@ namespace ldp {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kRounding = 1e-7;  // the arc is rounded to 24 bits
 
 struct Hand {
   double radius = 0.7, begin_deg = -90, end_deg = 90, pitch_deg = 0;
@@ -51,10 +52,10 @@ std::vector<Camera> sweep(const Hand& hand) {
 
 TEST(FitArc, FindsAPerfectHalfCircleExactly) {
   const ArcFit fit = fit_arc(sweep({}), ArcOptions{});
-  EXPECT_LT((fit.arc.centre - kCentre).norm(), 1e-9);
-  EXPECT_NEAR(fit.arc.radius, 0.7, 1e-9);
-  EXPECT_GT(fit.arc.axis().z(), 1 - 1e-9);
-  EXPECT_NEAR(fit.arc.theta_end - fit.arc.theta_begin, std::numbers::pi, 1e-9);
+  EXPECT_LT((fit.arc.centre - kCentre).norm(), kRounding);
+  EXPECT_NEAR(fit.arc.radius, 0.7, kRounding);
+  EXPECT_GT(fit.arc.axis().z(), 1 - kRounding);
+  EXPECT_NEAR(fit.arc.theta_end - fit.arc.theta_begin, std::numbers::pi, kRounding);
   EXPECT_FALSE(fit.arc.closed);
   EXPECT_FALSE(fit.straight);
 }
@@ -68,8 +69,8 @@ TEST(FitArc, ArcAxesAreARightHandedFrame) {
 TEST(FitArc, OutwardDirectionsPointAtTheCamerasPlaces) {
   const std::vector<Camera> cameras = sweep({});
   const Arc arc = fit_arc(cameras, ArcOptions{}).arc;
-  EXPECT_LT((arc.centre + arc.radius * arc.outward(arc.theta_begin) - cameras.front().pose.centre).norm(), 1e-9);
-  EXPECT_LT((arc.centre + arc.radius * arc.outward(arc.theta_end) - cameras.back().pose.centre).norm(), 1e-9);
+  EXPECT_LT((arc.centre + arc.radius * arc.outward(arc.theta_begin) - cameras.front().pose.centre).norm(), kRounding);
+  EXPECT_LT((arc.centre + arc.radius * arc.outward(arc.theta_end) - cameras.back().pose.centre).norm(), kRounding);
 }
 
 TEST(FitArc, BearsAnUnsteadyHand) {
@@ -111,8 +112,8 @@ TEST(FitArc, DoesNotDependOnTheOrderOfTheCameras) {
   const Arc before = fit_arc(cameras, ArcOptions{}).arc;
   std::shuffle(cameras.begin(), cameras.end(), std::mt19937(3));
   const Arc after = fit_arc(cameras, ArcOptions{}).arc;
-  EXPECT_NEAR(before.radius, after.radius, 1e-9);
-  EXPECT_NEAR(before.theta_end - before.theta_begin, after.theta_end - after.theta_begin, 1e-9);
+  EXPECT_NEAR(before.radius, after.radius, kRounding);
+  EXPECT_NEAR(before.theta_end - before.theta_begin, after.theta_end - after.theta_begin, kRounding);
 }
 
 TEST(FitArc, AStraightPathIsSaidToBeStraightAndGetsALargeRadius) {
@@ -129,7 +130,7 @@ TEST(FitArc, CamerasThatOnlyTurnGetACircleOfRadiusZero) {
   hand.radius = 0;
   const ArcFit fit = fit_arc(sweep(hand), ArcOptions{});
   EXPECT_EQ(fit.arc.radius, 0);
-  EXPECT_NEAR(fit.arc.theta_end - fit.arc.theta_begin, std::numbers::pi, 1e-9);
+  EXPECT_NEAR(fit.arc.theta_end - fit.arc.theta_begin, std::numbers::pi, kRounding);
 }
 
 TEST(FitArc, RefusesTwoCamerasAndPosesThatAreNoNumbers) {
