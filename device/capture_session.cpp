@@ -353,7 +353,7 @@ void CaptureSession::fail_build(const std::string& reason, bool retry) {
 
 void CaptureSession::serve_camera() {
   try {
-    sweep_->read_frames();
+    sweep_->read_frame();
   } catch (const std::exception& error) {
     return handle(Event::camera_lost, error.what());
   }

@@ -53,15 +53,14 @@ Sweep::Sweep(const Config& config, std::unique_ptr<CameraDevice> camera, std::fi
   start_ns_ = last_frame_ns_ = monotonic_now_ns();
 }
 
-void Sweep::read_frames() {
-  while (auto frame = camera_->read()) {
-    last_frame_ns_ = monotonic_now_ns();
-    try {
-      take(std::move(*frame));
-    } catch (const std::runtime_error& error) {
-      log_warning(std::string("a frame was skipped: ") + error.what());  // a JPEG damaged on its way
-    }
-    if (chooser_.full()) return;
+void Sweep::read_frame() {
+  auto frame = camera_->read();
+  if (!frame) return;
+  last_frame_ns_ = monotonic_now_ns();
+  try {
+    take(std::move(*frame));
+  } catch (const std::runtime_error& error) {
+    log_warning(std::string("a frame was skipped: ") + error.what());  // a JPEG damaged on its way
   }
 }
 

@@ -20,7 +20,9 @@ class Sweep {
   Sweep(const Config& config, std::unique_ptr<CameraDevice> camera, std::filesystem::path folder, FrameWriter& writer);
 
   int fd() const { return camera_->fd(); }
-  void read_frames();  // throws CameraLost
+  // Takes the oldest frame that waits, one at a time: a camera that is faster than frames can be looked at must not
+  // keep the loop from the button. Throws CameraLost.
+  void read_frame();
 
   bool full(int64_t now_ns) const;     // all the way round, or the limits are reached
   bool stalled(int64_t now_ns) const;  // the camera has been silent for too long

@@ -5,8 +5,8 @@
 //   folder:DIR             ?fps=30 hold=yes        the .jpg and .png files of a folder in name order, one per tick
 //   scene:NAME             ?fps=30 frames=20 ...   a synthetic scene, rendered
 //
-// A poll loop waits for `fd()` to become readable while the camera is started, then calls `read()` until it gives
-// nothing. Nothing here blocks longer than opening and starting the device takes; nothing calls back.
+// A poll loop waits for `fd()` to become readable while the camera is started, then calls `read()`; what was not read
+// keeps it readable. Nothing here blocks longer than opening and starting the device takes; nothing calls back.
 #pragma once
 
 #include <cstddef>

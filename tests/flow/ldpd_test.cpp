@@ -251,6 +251,17 @@ TEST_F(LdpdTest, ASilentCameraCountsAsLost) {
   EXPECT_THAT(run.said, HasSubstr("no more frames"));
 }
 
+TEST_F(LdpdTest, ACameraFasterThanItsFramesCanBeLookedAtDoesNotKeepTheButtonWaiting) {
+  fs::remove_all(room_ / "frames");
+  make_frames(5, 480, 360);
+  script("press wait 700 release");
+  std::vector<std::string> words = command({"--once"});
+  words[4] = "folder:" + (room_ / "frames").string() + "?fps=1000";
+  const Finished run = Process(words, room_ / "said").wait();
+  EXPECT_EQ(run.status, 0);
+  EXPECT_THAT(run.said, HasSubstr("ended by the button"));
+}
+
 TEST_F(LdpdTest, ATooShortSweepSaysWhatToDo) {
   script("press wait 40 release");
   const Finished run = run_once();
@@ -300,7 +311,7 @@ TEST_F(LdpdTest, WithoutItsButtonItSaysSoAndWaits) {
 
 TEST_F(LdpdTest, APressWhileBuildingIsRefusedAndNothingIsLost) {
   build_program("sleep 0.6");
-  script("press wait 700 release wait 200 press wait 50 release wait 1500 press wait 700 release");
+  script("press wait 700 release wait 200 press wait 50 release wait 3000 press wait 700 release");
   Process service(command({}), room_ / "said");
   EXPECT_TRUE(service.says("please wait"));
   EXPECT_TRUE(service.says("sweep_000002.ldp is ready"));

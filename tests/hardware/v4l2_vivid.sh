@@ -2,7 +2,7 @@
 # Button (gpio-sim) and camera (vivid through V4L2): sweeps, bounces, a busy device, errors injected, a camera unplugged.
 . "$(dirname "$0")/common.sh"
 
-camera=v4l2:/dev/video0?width=640\&height=480\&fps=25\&format=yuyv
+camera=v4l2:/dev/video0?width=320\&height=180\&fps=15\&format=yuyv
 some_frames='sweep: \([3-9]\|[1-9][0-9]\) frames'
 control() { v4l2-ctl -d /dev/video0 -c "$1" || fail "vivid refuses $1"; }
 move_picture() { control osd_text_mode=2 && control horizontal_movement=1; }
