@@ -69,8 +69,9 @@ CaptureSession::CaptureSession(Config config, Run run, std::stop_token stop)
   open_statuses_again();
   store_.prepare();
   if (run_ != Run::service) {
+    camera_ =
+        open_camera(config_.camera);  // first: a script's time begins with its button, and a scene is rendered here
     button_ = open_button(config_.button);
-    camera_ = open_camera(config_.camera);
     return;
   }
   for (const CaptureState& capture : store_.recover()) {
