@@ -122,9 +122,7 @@ std::vector<CaptureSession::Watch> CaptureSession::watches() {
   add(writer_.fd(), [this] { serve_writer(); });
   if (button_) add(button_->fd(), [this] { serve_button(); });
   for (size_t i = 0; i < statuses_.size(); ++i) {
-    add(statuses_[i]->fd(), [this, i] {
-      while (const auto command = statuses_[i]->read()) obey(*command);
-    });
+    if (statuses_[i].problem.empty()) add(statuses_[i].channel->fd(), [this, i] { serve_status(statuses_[i]); });
   }
   if (build_) {
     add(build_->progress_fd(), [this] { serve_build(); });
@@ -159,6 +157,7 @@ void CaptureSession::check_deadlines(int64_t now_ns) {
   }
   if (now_ns < next_tick_ns_) return;
   next_tick_ns_ = now_ns + kSecond_ns;
+  if (button_) serve_button();  // a GPIO chip that goes away wakes nobody up before Linux 6.6; asked, it says so
   if (!backlog_.empty() && !build_ && !sweep_closing_) handle(Event::build_pending, "building an unfinished capture");
   open_statuses_again();
   open_button_again(now_ns);
@@ -413,6 +412,15 @@ void CaptureSession::button_changed(const ButtonEvent& event) {
   }
 }
 
+void CaptureSession::serve_status(OpenStatus& status) {
+  std::optional<Command> command;
+  do {
+    command.reset();
+    attempt(status, [&](StatusChannel& channel) { command = channel.read(); });
+    if (command) obey(*command);
+  } while (command);
+}
+
 void CaptureSession::obey(Command command) {
   switch (command) {
     case Command::press:
@@ -452,12 +460,16 @@ void CaptureSession::open_button_again(int64_t now_ns) {
   }
 }
 
-// A network may come up late. Each problem is told once.
+// A network may come up late, an LED may go. Each problem is told once.
 void CaptureSession::open_statuses_again() {
+  for (OpenStatus& status : statuses_) {
+    if (!status.problem.empty()) pending_statuses_.push_back({status.url, {}});
+  }
+  std::erase_if(statuses_, [](const OpenStatus& status) { return !status.problem.empty(); });
   std::vector<PendingStatus> still_pending;
   for (PendingStatus& pending : pending_statuses_) {
     try {
-      statuses_.push_back(open_status(pending.url));
+      statuses_.push_back({pending.url, open_status(pending.url), {}});
     } catch (const std::exception& error) {
       if (pending.problem != error.what()) log_warning(error.what());
       still_pending.push_back({pending.url, error.what()});
@@ -469,7 +481,19 @@ void CaptureSession::open_statuses_again() {
 // --- what the world is told ------------------------------------------------------------------------------------------
 
 void CaptureSession::publish(const StatusMessage& message) {
-  for (const auto& status : statuses_) status->publish(message);
+  for (OpenStatus& status : statuses_) {
+    if (status.problem.empty()) attempt(status, [&](StatusChannel& channel) { channel.publish(message); });
+  }
+}
+
+// A channel that fails is closed at the next tick: this may be called from its own commands.
+void CaptureSession::attempt(OpenStatus& status, const std::function<void(StatusChannel&)>& what) {
+  try {
+    what(*status.channel);
+  } catch (const std::exception& error) {
+    status.problem = error.what();
+    log_warning(status.url + ": " + error.what());
+  }
 }
 
 void CaptureSession::publish_status() {
@@ -485,7 +509,7 @@ void CaptureSession::publish_status() {
 // Again only when there are ten times as many, and at the end.
 void CaptureSession::tell_ignored(bool at_end) {
   int64_t ignored = 0;
-  for (const auto& status : statuses_) ignored += status->ignored();
+  for (const OpenStatus& status : statuses_) ignored += status.channel->ignored();
   if (ignored == ignored_told_ || (!at_end && ignored < 10 * ignored_told_)) return;
   ignored_told_ = ignored;
   log_warning("malformed messages ignored so far: " + std::to_string(ignored));

@@ -47,6 +47,11 @@ class CaptureSession {
     int fd;
     std::function<void()> serve;
   };
+  struct OpenStatus {
+    std::string url;
+    std::unique_ptr<StatusChannel> channel;
+    std::string problem;  // why it is of no further use
+  };
   struct PendingStatus {
     std::string url;
     std::string problem;
@@ -77,10 +82,12 @@ class CaptureSession {
   void serve_writer();
   void serve_build();
   void serve_end_request();
+  void serve_status(OpenStatus& status);
   void obey(Command command);
   void retry_failed();
 
   void publish(const StatusMessage& message);
+  void attempt(OpenStatus& status, const std::function<void(StatusChannel&)>& what);
   void publish_status();
   void tell_ignored(bool at_end);
   void say(const std::string& text);
@@ -94,7 +101,7 @@ class CaptureSession {
   CaptureStore store_;
   ServiceNotice notice_;
   FrameWriter writer_;
-  std::vector<std::unique_ptr<StatusChannel>> statuses_;
+  std::vector<OpenStatus> statuses_;
   std::vector<PendingStatus> pending_statuses_;
   std::unique_ptr<CameraDevice> camera_;  // opened ahead of a single sweep
   std::unique_ptr<Button> button_;

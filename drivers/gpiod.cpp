@@ -93,15 +93,17 @@ class GpioLine {
 
   bool value() const {
     const int value = gpiod_line_get_value(line_);
-    if (value < 0) throw_errno("the button's GPIO line was lost");
+    if (value < 0) throw_errno("the GPIO line was lost");
     return value == 1;
   }
 
-  void set(bool on) { gpiod_line_set_value(line_, on ? 1 : 0); }
+  void set(bool on) {
+    if (gpiod_line_set_value(line_, on ? 1 : 0) != 0) throw_errno("the GPIO line was lost");
+  }
 
   void read_edges() {
     gpiod_line_event events[16];
-    if (gpiod_line_event_read_fd_multiple(fd(), events, 16) < 0) throw_errno("the button's GPIO line was lost");
+    if (gpiod_line_event_read_fd_multiple(fd(), events, 16) < 0) throw_errno("the GPIO line was lost");
   }
 
  private:
@@ -166,17 +168,18 @@ class GpioLine {
 
   bool value() const {
     const gpiod_line_value value = gpiod_line_request_get_value(request_.get(), offset_);
-    if (value == GPIOD_LINE_VALUE_ERROR) throw_errno("the button's GPIO line was lost");
+    if (value == GPIOD_LINE_VALUE_ERROR) throw_errno("the GPIO line was lost");
     return value == GPIOD_LINE_VALUE_ACTIVE;
   }
 
   void set(bool on) {
-    gpiod_line_request_set_value(request_.get(), offset_, on ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE);
+    const auto value = on ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE;
+    if (gpiod_line_request_set_value(request_.get(), offset_, value) != 0) throw_errno("the GPIO line was lost");
   }
 
   void read_edges() {
     if (gpiod_line_request_read_edge_events(request_.get(), events_.get(), 16) < 0) {
-      throw_errno("the button's GPIO line was lost");
+      throw_errno("the GPIO line was lost");
     }
   }
 
@@ -270,7 +273,13 @@ class GpioLed final : public StatusChannel {
   explicit GpioLed(const LineSpec& spec) : line_(spec) {}
   GpioLed(const GpioLed&) = delete;
   GpioLed& operator=(const GpioLed&) = delete;
-  ~GpioLed() override { line_.set(false); }
+  ~GpioLed() override {
+    try {
+      line_.set(false);
+    } catch (const std::exception&) {
+      // it went away, and its light with it
+    }
+  }
 
   void publish(const StatusMessage& message) override {
     const auto* const status = std::get_if<Status>(&message);

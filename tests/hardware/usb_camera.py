@@ -4,7 +4,8 @@ UVC 1.0 camera that streams the JPEG files of a folder (MJPEG over a bulk endpoi
 
   usb_camera.py FOLDER [FPS [SECONDS_AT_FIRST_FRAME]]     until killed; killing it is pulling the plug
 
-The first frame is held for a while after streaming starts, as a person does; the last one is held for ever.
+The first frame is held for a while after streaming starts, as a person does; every other is sent three times, so that
+a slow machine may miss one; the last one is held for ever.
 """
 import glob
 import select
@@ -17,6 +18,7 @@ CMD_SUBMIT, CMD_UNLINK, RET_SUBMIT, RET_UNLINK = 1, 2, 3, 4
 PAYLOAD = 16384  # of one bulk transfer, its 2-byte header included
 ECONNRESET = 104
 EPIPE = 32
+REPEATS = 3
 
 
 def jpeg_size(data):
@@ -39,6 +41,7 @@ class Camera:
         self.start = None          # when streaming was committed
         self.current, self.sent, self.frame_id = b"", 0, 0
         self.next_frame_at = 0.0
+        self.moves = 0             # frames sent since the first one was left
         self.probe = self.probe_control()
 
     # --- descriptors
@@ -98,7 +101,7 @@ class Camera:
         if kind == 0x21 and index & 255 == 1 and value >> 8 in (1, 2):
             if value >> 8 == 2:
                 self.start = self.next_frame_at = time.monotonic()
-                self.current, self.sent = b"", 0
+                self.current, self.sent, self.moves = b"", 0, 0
             return b""
         return None
 
@@ -108,9 +111,9 @@ class Camera:
         if self.sent >= len(self.current):
             if now < self.next_frame_at:
                 return None
-            self.next_frame_at = max(self.next_frame_at + 1 / self.fps, now - 1)
-            index = int((now - self.start - self.first_seconds) * self.fps)
-            self.current = self.frames[min(max(index, 0), len(self.frames) - 1)]
+            self.next_frame_at = max(self.next_frame_at + 1 / self.fps, now)
+            self.moves += 1 if now - self.start >= self.first_seconds else 0
+            self.current = self.frames[min(self.moves // REPEATS, len(self.frames) - 1)]
             self.sent = 0
             self.frame_id ^= 1
         part = self.current[self.sent:self.sent + PAYLOAD - 2]

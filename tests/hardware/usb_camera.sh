@@ -51,14 +51,14 @@ make_button
 BUILD_PROGRAM=$(command -v ldp)
 BUILD_OPTIONS=$(printf '"%s",' "$@")
 configure 'min_frames = 3' 'lost_after_seconds = 5' 'overlap = 0.95'  # every frame of the camera is kept
-plug 4 4
+plug 8 4
 start_service --camera v4l2:/dev/video0
 
 echo "the frames of a sweep arrive byte by byte"
 count=$(frames_in "$frames")
 press
 await "capturing: turn"
-await "sweep: \($((count - 1))\|$count\) frames"
+await "sweep: \($((count - 1))\|$count\) frames" 120
 sleep 2
 release
 await "sweep_000001.ldp is ready" 400
@@ -84,7 +84,7 @@ expect_running
 
 echo "plugged in again"
 while [ -e /dev/video0 ]; do sleep 0.1; done
-plug 4 4
+plug 8 4
 forget
 press
 await "$some_frames"

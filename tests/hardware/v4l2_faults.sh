@@ -65,6 +65,7 @@ echo "the button goes away: the service stays; it comes back: the next sweep wor
 forget
 echo 0 >/sys/kernel/config/gpio-sim/box/live
 await "the button was lost"
+await "led:name=capture-led: the GPIO line was lost"
 expect_running
 make_button
 await "the button is there"
