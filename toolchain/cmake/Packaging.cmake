@@ -13,25 +13,25 @@ function(install_compressed source destination)
 endfunction()
 
 set(deb ${PROJECT_SOURCE_DIR}/toolchain/deb)
-install(TARGETS ldp ldpd RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(FILES ${PROJECT_SOURCE_DIR}/device/systemd/ldpd.toml DESTINATION /etc)
 install(FILES ${PROJECT_SOURCE_DIR}/drivers/messages.lcm DESTINATION ${CMAKE_INSTALL_DATADIR}/layered-depth-panorama)
 install(FILES ${PROJECT_SOURCE_DIR}/core/ldp/FORMAT.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES ${deb}/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install_compressed(${deb}/changelog ${CMAKE_INSTALL_DOCDIR})
 install_compressed(${deb}/ldp.1 ${CMAKE_INSTALL_MANDIR}/man1)
 install_compressed(${deb}/ldpd.8 ${CMAKE_INSTALL_MANDIR}/man8)
-install(FILES ${deb}/layered-depth-panorama.lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME layered-depth-panorama)
+install_compressed(${deb}/ldp-device.1 ${CMAKE_INSTALL_MANDIR}/man1)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME layered-depth-panorama)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_CONTACT "The layered depth panorama authors <authors@ldp.invalid>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "panoramas with depth from one arm's-length sweep")
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "panoramas with depth from one arm's-length sweep
- A camera service and command line that turn about 20 hand-held frames into a
- layered depth panorama: a small file that shows true motion parallax. Frames
- come through libcamera or V4L2, a GPIO button marks the sweep, status goes out
- over LCM, and everything is computed on the device.")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+"A camera service and command line that turn about 20 hand-held frames into a
+layered depth panorama: a small file that shows true motion parallax. Frames
+come through libcamera or V4L2, a GPIO button marks the sweep, status goes out
+over LCM, and everything is computed on the device.")
 set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE ${LDP_DEB_ARCH})
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
