@@ -28,6 +28,8 @@ void check(const BuildOptions& options) {
   require(options.block_px >= 0, "block_px", options.block_px, "0 or more");
 }
 
+constexpr int kSilhouettePx = 4;  // by so much the sweep's windows may widen a near surface, and the cut a little more
+
 // Adds the time since its making, or since the last lap, to a stage of the report.
 class Stopwatch {
  public:
@@ -92,41 +94,52 @@ class Build {
     layers_.assign(1, DisparityMap(grid_.width, grid_.height, 0));
   }
 
-  // Front to back; what earlier iterations found hides voxels from cameras (paper 3.3.4).
+  // Front to back. Only the last iteration looks behind the front; what hides voxels from cameras there is what the
+  // iteration before it found (paper 3.3.4).
   void find_layers(int iteration) {
     std::vector<DisparityMap> found;
-    for (int index = 0; index < options_.layers; ++index) {
+    const std::vector<VisibilityMap> hiding = iteration > 1 ? sure_visibility() : std::vector<VisibilityMap>();
+    visibility_.clear();
+    const int layers = iteration < options_.iterations ? 1 : options_.layers;
+    for (int index = 0; index < layers; ++index) {
       const std::string name = "layer " + std::to_string(index + 1) + " iteration " + std::to_string(iteration);
       job_.report(name, 0);
-      DisparityMap layer = index == 0 ? front_layer(name) : layer_behind(found, name);
+      DisparityMap layer = index == 0 ? front_layer(hiding, name) : layer_behind(found, name);
       if (layer.empty()) break;
       pictures_.disparity(name, layer);
+      add_layer(grid_, layer, upright_, {}, job_, visibility_);
+      watch_.lap("visibility");
       found.push_back(std::move(layer));
     }
     layers_ = std::move(found);
   }
 
-  DisparityMap front_layer(const std::string& name) {
-    const std::vector<VisibilityMap> maps = visibility_of(layers_);
-    const Sweep sweep(upright_, grid_, maps, DisparityMap(), sweep_options());
+  std::vector<VisibilityMap> sure_visibility() {
+    std::vector<VisibilityMap> maps;
+    add_layer(grid_, without_silhouettes(layers_[0], kSilhouettePx), upright_, {}, job_, maps);
+    watch_.lap("visibility");
+    return maps;
+  }
+
+  DisparityMap front_layer(const std::vector<VisibilityMap>& hiding, const std::string& name) {
+    const Sweep sweep(upright_, grid_, hiding, DisparityMap(), sweep_options());
     const Plane<uint8_t> labels = solve(sweep, Plane<uint8_t>(), name);
-    DisparityMap disparity = refine(sweep, labels, job_);
+    DisparityMap disparity = refine(sweep, labels, {}, job_);
     watch_.lap("refine");
     return disparity;
   }
 
   // Empty when no camera sees anything behind the layers found so far.
   DisparityMap layer_behind(const std::vector<DisparityMap>& found, const std::string& name) {
-    const std::vector<VisibilityMap> maps = visibility_of(found);
     DisparityMap surface = deepest(found);
-    const Plane<uint8_t> want = wanted_behind(grid_, surface, upright_, maps, {}, job_);
+    const Plane<uint8_t> want = wanted_behind(grid_, surface, upright_, visibility_, {}, job_);
     pictures_.labels("wanted " + name, want, 2);
     watch_.lap("visibility");
     if (std::none_of(want.samples.begin(), want.samples.end(), [](uint8_t w) { return w == kWanted; })) return {};
-    const Sweep sweep(upright_, grid_, maps, surface, sweep_options());
+    const Sweep sweep(upright_, grid_, visibility_, surface, sweep_options());
     const BoundaryCosts costs(sweep, want, surface);
     const Plane<uint8_t> labels = solve(costs, want, name);
-    DisparityMap layer = refine(sweep, labels, job_);
+    DisparityMap layer = refine(sweep, labels, want, job_);
     const int gap = gap_steps(grid_, {});
     for (size_t i = 0; i < layer.samples.size(); ++i) {
       const bool behind = layer.samples[i] + gap <= surface.samples[i];
@@ -134,18 +147,9 @@ class Build {
     }
     continue_background(want, surface, gap, layer);
     watch_.lap("refine");
-    drop_unseen(grid_, upright_, maps, job_, layer);
+    drop_unseen(grid_, upright_, visibility_, job_, layer);
     watch_.lap("visibility");
     return layer;
-  }
-
-  std::vector<VisibilityMap> visibility_of(const std::vector<DisparityMap>& layers) {
-    if (layers.empty()) return {};
-    std::vector<const DisparityMap*> pointers;
-    for (const DisparityMap& layer : layers) pointers.push_back(&layer);
-    std::vector<VisibilityMap> maps = visibility(grid_, pointers, upright_, {}, job_);
-    watch_.lap("visibility");
-    return maps;
   }
 
   static DisparityMap deepest(const std::vector<DisparityMap>& found) {
@@ -173,12 +177,11 @@ class Build {
   }
 
   void choose_photographs() {
-    const std::vector<VisibilityMap> maps = grid_.w_near > 0 ? visibility_of(layers_) : std::vector<VisibilityMap>();
-    pictures_.visibility("visibility", maps);
+    pictures_.visibility("visibility", visibility_);
     for (size_t k = 0; k < layers_.size(); ++k) {
       ColourOptions colour;
       colour.guess_hidden = k == 0;
-      const SourceCandidates candidates(grid_, layers_[k], upright_, maps, colour);
+      const SourceCandidates candidates(grid_, layers_[k], upright_, visibility_, colour);
       Labelling labelling = solve_colour(candidates, {}, job_);
       const std::string name = "colour layer " + std::to_string(k + 1);
       report_.solves.push_back({name, labelling.report});
@@ -251,6 +254,7 @@ class Build {
   PanoramaGrid grid_;
   std::vector<UprightFrame> upright_;
   std::vector<DisparityMap> layers_;
+  std::vector<VisibilityMap> visibility_;  // of all layers; empty for one far layer
   std::vector<Plane<uint8_t>> sources_;
 };
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kCostPerDegree = 64;
 constexpr double kCostPerRadian = kCostPerDegree * 180 / std::numbers::pi;
-constexpr int kMaxCandidates = 16;
+constexpr int kMaxCandidates = 8;      // the cameras nearest to the ray among those that see the voxel
 constexpr double kBehindCamera = 0.1;  // least forward * w of a voxel worth projecting
 
 }  // namespace
@@ -26,12 +26,21 @@ SourceCandidates::SourceCandidates(const PanoramaGrid& grid, const DisparityMap&
   facing_.resize(static_cast<size_t>(grid.width));
   for (int x = 0; x < grid.width; ++x) {
     headings_.push_back(heading(grid.theta(x + 0.5)));
-    for (size_t i = 0; i < frames.size(); ++i) {
-      const auto u = projections_[i].column(headings_.back());
-      const bool far = u.forward > kBehindCamera, near = projections_[i].forward(u, grid.w_near) > kBehindCamera;
-      if (far || near) facing_[static_cast<size_t>(x)].push_back(static_cast<uint8_t>(i));
-    }
+    find_facing(x);
   }
+}
+
+void SourceCandidates::find_facing(int x) {
+  const Heading h = headings_[static_cast<size_t>(x)];
+  std::vector<std::pair<double, uint8_t>> frames;
+  for (size_t i = 0; i < projections_.size(); ++i) {
+    const auto u = projections_[i].column(h);
+    const bool far = u.forward > kBehindCamera, near = projections_[i].forward(u, grid_.w_near) > kBehindCamera;
+    if (far || near) frames.emplace_back(std::abs(projections_[i].aside(h)), static_cast<uint8_t>(i));
+  }
+  std::sort(frames.begin(), frames.end());
+  auto& facing = facing_[static_cast<size_t>(x)];
+  for (const auto& [aside, frame] : frames) facing.push_back(frame);
 }
 
 SourceCandidates::Seen SourceCandidates::look(size_t frame, double x_px, double y_px, double inverse_z,
@@ -85,17 +94,16 @@ int SourceCandidates::collect(int x, int y, bool through, uint8_t frame[16], uin
   const double w = grid_.inverse_depth(layer_.at(x, y));
   int count = 0;
   for (const uint8_t i : facing_[static_cast<size_t>(x)]) {
+    if (count == kMaxCandidates) break;
     const int c = cost_from(i, x, y, w, through);
     if (c < 0) continue;
-    if (count == kMaxCandidates) {  // the dearest makes room, so that frames stay in rising order
-      const auto dearest = std::max_element(cost, cost + count) - cost;
-      if (cost[dearest] <= c) continue;
-      std::copy(cost + dearest + 1, cost + count, cost + dearest);
-      std::copy(frame + dearest + 1, frame + count, frame + dearest);
-      --count;
+    int at = count++;  // frames stay in rising order
+    for (; at > 0 && frame[at - 1] > i; --at) {
+      frame[at] = frame[at - 1];
+      cost[at] = cost[at - 1];
     }
-    frame[count] = i;
-    cost[count++] = static_cast<uint16_t>(c);
+    frame[at] = i;
+    cost[at] = static_cast<uint16_t>(c);
   }
   return count;
 }

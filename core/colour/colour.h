@@ -53,6 +53,7 @@ class SourceCandidates final : public ColourCosts {
     bool visible = false, mixed = false;
   };
   Seen look(size_t frame, double x_px, double y_px, double inverse_z, bool through) const;
+  void find_facing(int x);
   int cost_from(size_t frame, int x, int y, double w, bool through) const;  // negative: does not see it
   int collect(int x, int y, bool through, uint8_t frame[16], uint16_t cost[16]) const;
 
@@ -63,7 +64,7 @@ class SourceCandidates final : public ColourCosts {
   ColourOptions options_;
   std::vector<VoxelProjection> projections_;
   std::vector<Heading> headings_;             // of column centres
-  std::vector<std::vector<uint8_t>> facing_;  // frames that may see a column
+  std::vector<std::vector<uint8_t>> facing_;  // frames that may see a column, nearest to its rays first
 };
 
 // What colours are read from. cameras[i] belongs to frames.load(frame_of_camera[i]).

@@ -37,48 +37,40 @@ double parallax_steps(const PanoramaGrid& grid, double px) {
   return range <= 0 ? kLabelSteps : px * grid.v_pitch / (std::max(grid.arc.radius, 1e-9) * range) * kDisparitySteps;
 }
 
-// Draws the layers into one camera's map.
+// Draws layers into one camera's map.
 class MapPainter {
  public:
   MapPainter(const PanoramaGrid& grid, const std::vector<Heading>& edges, const UprightCamera& camera,
-             const LayersOptions& options)
+             const LayersOptions& options, VisibilityMap& map)
       : grid_(grid),
         edges_(edges),
         projection_(grid, camera),
         connect_steps_(parallax_steps(grid, options.connect_px)),
         connect_share_(options.connect_share),
         far_steps_(grid.w_far / std::max(1e-9, grid.w_near - grid.w_far) * kDisparitySteps),
-        sees_(edges.size() - 1) {
-    for (size_t x = 0; x < sees_.size(); ++x) sees_[x] = in_view(edges[x]) || in_view(edges[x + 1]);
-    const int columns = (camera.width + options.shrink - 1) / options.shrink;
-    const int rows = (camera.height + options.shrink - 1) / options.shrink;
-    const double nearest = std::max(grid.w_near, 1e-9) * 4;  // cameras stand off the ray origins: some room
-    map_.inverse_z = Plane<uint16_t>(rows, columns, kUncovered);
-    map_.scale = nearest / 65535;
-    map_.shrink = options.shrink;
-    const double label = (grid.w_near - grid.w_far) / (kLabels - 1);
-    map_.tolerance = static_cast<int>(std::min(65535.0, std::ceil(options.tolerance_labels * label / map_.scale)));
+        map_(map) {
+    for (int y = 0; y <= grid.height; ++y) edges_v_.push_back(grid.v(y));
   }
 
-  void paint(const DisparityMap& layer, int x_begin, int x_end) {
+  // One column of a layer.
+  void paint(const DisparityMap& layer, int x) {
+    const Heading left = edges_[static_cast<size_t>(x)], right = edges_[static_cast<size_t>(x) + 1];
+    if (!in_view(left) && !in_view(right)) return;
+    const Sides sides{projection_.column(left), projection_.column(right)};
+    const int before = neighbour_column(grid_, x - 1), after = neighbour_column(grid_, x + 1);
     for (int y = 0; y < grid_.height; ++y) {
-      const uint16_t* row = layer.row(y);
-      for (int x = x_begin; x < x_end; ++x) {
-        if (row[x] == kNoDisparity || !sees_column(x)) continue;
-        const int left = neighbour_column(grid_, x - 1), right = neighbour_column(grid_, x + 1);
-        const double d_left = left < 0 ? row[x] : shared_edge(row[x], row[left]);
-        const double d_right = right < 0 ? row[x] : shared_edge(row[x], row[right]);
-        paint_pixel(x, y, d_left, row[x], d_right);
-      }
+      const int d = layer.at(x, y);
+      if (d == kNoDisparity) continue;
+      paint_pixel(sides, y, before < 0 ? d : shared_edge(d, layer.at(before, y)), d,
+                  after < 0 ? d : shared_edge(d, layer.at(after, y)));
     }
   }
 
-  VisibilityMap take() {
-    close_hairlines();
-    return std::move(map_);
-  }
-
  private:
+  struct Sides {  // of a column
+    VoxelProjection::Column left, right;
+  };
+
   double shared_edge(int d, int neighbour) const {
     if (neighbour == kNoDisparity) return d;
     const double limit = connect_steps_ + connect_share_ * (far_steps_ + std::max(d, neighbour));
@@ -86,17 +78,14 @@ class MapPainter {
     return 0.5 * (d + neighbour);
   }
 
-  bool sees_column(int x) const { return sees_[static_cast<size_t>(x)] != 0; }
-
   // May any voxel of this heading appear in the map?
   bool in_view(Heading h) const {
     const auto u = projection_.column(h);
     return u.forward > 0.2 || projection_.forward(u, grid_.w_near) > 0.2;
   }
 
-  void paint_pixel(int x, int y, double d_left, double d, double d_right) {
-    const auto left = projection_.column(edges_[static_cast<size_t>(x)]);
-    const auto right = projection_.column(edges_[static_cast<size_t>(x) + 1]);
+  void paint_pixel(const Sides& sides, int y, double d_left, int d, double d_right) {
+    const auto& [left, right] = sides;
     const VoxelProjection::Column middle{0.5 * (left.right + right.right), 0.5 * (left.forward + right.forward)};
     const double w_left = inverse_depth(grid_, d_left), w = inverse_depth(grid_, d),
                  w_right = inverse_depth(grid_, d_right);
@@ -107,32 +96,47 @@ class MapPainter {
     const int x1 = first_pixel(projection_.x_px(right, w_right), shrink, map_.inverse_z.height);
     if (x0 >= x1) return;
     const double slope = projection_.row_slope(forward), offset = projection_.row_offset(w, forward);
-    const int y0 = first_pixel(offset + slope * grid_.v(y), shrink, map_.inverse_z.width);
-    const int y1 = first_pixel(offset + slope * grid_.v(y + 1), shrink, map_.inverse_z.width);
+    const auto row = static_cast<size_t>(y);
+    const int y0 = first_pixel(offset + slope * edges_v_[row], shrink, map_.inverse_z.width);
+    const int y1 = first_pixel(offset + slope * edges_v_[row + 1], shrink, map_.inverse_z.width);
     const auto depth = static_cast<uint16_t>(std::clamp(w / forward / map_.scale, 1.0, 65535.0));
     for (int column = x0; column < x1; ++column) {
       uint16_t* out = map_.inverse_z.row(column);
-      for (int row = y0; row < y1; ++row) out[row] = std::max(out[row], depth);
-    }
-  }
-
-  // Gaps one pixel high between rows of one surface come from rounding, not from the scene.
-  void close_hairlines() {
-    for (int column = 0; column < map_.inverse_z.height; ++column) {
-      uint16_t* out = map_.inverse_z.row(column);
-      for (int row = 1; row + 1 < map_.inverse_z.width; ++row)
-        if (out[row] == kUncovered && out[row - 1] != kUncovered && out[row + 1] != kUncovered)
-          out[row] = std::min(out[row - 1], out[row + 1]);
+      for (int at = y0; at < y1; ++at) out[at] = std::max(out[at], depth);
     }
   }
 
   const PanoramaGrid& grid_;
   const std::vector<Heading>& edges_;
+  std::vector<double> edges_v_;
   VoxelProjection projection_;
   double connect_steps_, connect_share_, far_steps_;  // disparity steps; far_steps_ + disparity is the inverse depth
-  std::vector<uint8_t> sees_;
-  VisibilityMap map_;
+  VisibilityMap& map_;
 };
+
+VisibilityMap empty_map(const PanoramaGrid& grid, const UprightCamera& camera, const LayersOptions& options) {
+  VisibilityMap map;
+  const int columns = (camera.width + options.shrink - 1) / options.shrink;
+  const int rows = (camera.height + options.shrink - 1) / options.shrink;
+  const double nearest = std::max(grid.w_near, 1e-9) * 4;  // cameras stand off the ray origins: some room
+  map.inverse_z = Plane<uint16_t>(rows, columns, kUncovered);
+  map.scale = nearest / 65535;
+  map.shrink = options.shrink;
+  const double label = (grid.w_near - grid.w_far) / (kLabels - 1);
+  map.tolerance = static_cast<int>(std::min(65535.0, std::ceil(options.tolerance_labels * label / map.scale)));
+  return map;
+}
+
+// Gaps one pixel high between rows of one surface come from rounding, not from the scene.
+void close_hairlines(VisibilityMap& map) {
+  for (int column = 0; column < map.inverse_z.height; ++column) {
+    uint16_t* out = map.inverse_z.row(column);
+    for (int row = 1; row + 1 < map.inverse_z.width; ++row)
+      if (out[row] == kUncovered && out[row - 1] != kUncovered && out[row + 1] != kUncovered &&
+          std::abs(out[row - 1] - out[row + 1]) <= map.tolerance)
+        out[row] = std::min(out[row - 1], out[row + 1]);
+  }
+}
 
 // The voxels of one column at one inverse depth, as one camera's map sees them: one map column, rows affine in v.
 struct VoxelColumn {
@@ -196,23 +200,36 @@ void mark_boundary(const PanoramaGrid& grid, const DisparityMap& front, int gap,
 
 }  // namespace
 
-std::vector<VisibilityMap> visibility(const PanoramaGrid& grid, const std::vector<const DisparityMap*>& layers,
-                                      const std::vector<UprightFrame>& frames, const LayersOptions& options,
-                                      const Job& job) {
+void add_layer(const PanoramaGrid& grid, const DisparityMap& layer, const std::vector<UprightFrame>& frames,
+               const LayersOptions& options, const Job& job, std::vector<VisibilityMap>& maps) {
   if (options.shrink < 1)
     throw std::logic_error("visibility: shrink is " + std::to_string(options.shrink) + ", must be >= 1");
+  if (maps.empty())
+    for (const UprightFrame& frame : frames) maps.push_back(empty_map(grid, frame.camera, options));
   const std::vector<Heading> edges = edge_headings(grid);
-  std::vector<VisibilityMap> maps(frames.size());
   parallel_for(job, static_cast<int>(frames.size()), [&](int i) {
     const auto index = static_cast<size_t>(i);
-    MapPainter painter(grid, edges, frames[index].camera, options);
-    for (int x = 0; x < grid.width; x += kColumnsAtOnce) {
-      job.check();
-      for (const DisparityMap* layer : layers) painter.paint(*layer, x, std::min(x + kColumnsAtOnce, grid.width));
+    MapPainter painter(grid, edges, frames[index].camera, options, maps[index]);
+    for (int x = 0; x < grid.width; ++x) {
+      if (x % kColumnsAtOnce == 0) job.check();
+      painter.paint(layer, x);
     }
-    maps[index] = painter.take();
+    close_hairlines(maps[index]);
   });
-  return maps;
+}
+
+DisparityMap without_silhouettes(const DisparityMap& layer, int reach_px) {
+  DisparityMap rows = layer, both = layer;
+  for (int y = 0; y < layer.height; ++y)
+    for (int x = 0; x < layer.width; ++x) {
+      const uint16_t* row = layer.row(y);
+      rows.at(x, y) = *std::min_element(row + std::max(0, x - reach_px), row + std::min(layer.width, x + reach_px + 1));
+    }
+  for (int y = 0; y < layer.height; ++y)
+    for (int at = std::max(0, y - reach_px); at < std::min(layer.height, y + reach_px + 1); ++at)
+      std::transform(both.row(y), both.row(y) + layer.width, rows.row(at), both.row(y),
+                     [](uint16_t a, uint16_t b) { return std::min(a, b); });
+  return both;
 }
 
 Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front,

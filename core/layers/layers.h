@@ -32,10 +32,14 @@ struct LayersOptions {
 
 constexpr int kLabelSteps = kDisparitySteps / (kLabels - 1);  // disparity steps of one label of 16
 
-// What each camera sees first. Covered pixels hold at least 1, pixels that no layer reaches 0.
-std::vector<VisibilityMap> visibility(const PanoramaGrid& grid, const std::vector<const DisparityMap*>& layers,
-                                      const std::vector<UprightFrame>& frames, const LayersOptions& options,
-                                      const Job& job);
+// Draws a layer into the maps of what each camera sees first; empty `maps` are made. Covered pixels hold at least 1,
+// pixels that no layer reaches 0. The order of layers does not matter.
+void add_layer(const PanoramaGrid& grid, const DisparityMap& layer, const std::vector<UprightFrame>& frames,
+               const LayersOptions& options, const Job& job, std::vector<VisibilityMap>& maps);
+
+// The farthest disparity within `reach_px` of each pixel: what is left of surfaces well inside their outlines, and so
+// surely hides what lies behind. (Windows of matching make near surfaces a few pixels too wide.)
+DisparityMap without_silhouettes(const DisparityMap& layer, int reach_px);
 
 enum Want : uint8_t { kUnwanted = 0, kWanted = 1, kBoundary = 2 };
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 #include "label_grid.h"
 #include "smoothness.h"
@@ -96,6 +97,10 @@ int units_in_sixteenths(const ColourSolveOptions& options) {
   return std::clamp(static_cast<int>(kWidestPair * kSixteenths / widest), 1, 256);
 }
 
+struct Angles {  // sums over pixels, in 1/kAnglesPerDegree
+  int64_t taken = 0, least = 0;
+};
+
 }  // namespace
 
 Labelling solve_colour(const ColourCosts& costs, const ColourSolveOptions& options, const Job& job) {
@@ -109,19 +114,23 @@ Labelling solve_colour(const ColourCosts& costs, const ColourSolveOptions& optio
       solve_windows(source, smoothness, {options.core_px, options.margin_px, options.iterations, options.passes}, job);
   Labelling result;
   result.labels = Plane<uint8_t>(costs.width(), costs.height());
-  int64_t angles = 0, least_angles = 0;
-  for (int y = 0; y < costs.height(); ++y)
+  std::vector<Angles> sums(static_cast<size_t>(costs.height()));
+  parallel_for(job, costs.height(), [&](int y) {
+    Angles& sum = sums[static_cast<size_t>(y)];
     for (int x = 0; x < costs.width(); ++x) {
       const auto choice = source.choice(x, y, solve.slots.at(x, y));
       result.labels.at(x, y) = choice.frame;
-      angles += choice.angle;
-      least_angles += choice.least_angle;
+      sum.taken += choice.angle;
+      sum.least += choice.least_angle;
     }
+  });
+  Angles angles;
+  for (const Angles& sum : sums) angles = {angles.taken + sum.taken, angles.least + sum.least};
   const double degrees = static_cast<double>(kSixteenths) / (units * kAnglesPerDegree);
-  result.report.data_energy = static_cast<double>(angles) / kAnglesPerDegree;
+  result.report.data_energy = static_cast<double>(angles.taken) / kAnglesPerDegree;
   result.report.smoothness_energy = static_cast<double>(solve.final.smoothness) * degrees;
   result.report.initial_energy =
-      static_cast<double>(solve.initial.total()) * degrees + static_cast<double>(least_angles) / kAnglesPerDegree;
+      static_cast<double>(solve.initial.total()) * degrees + static_cast<double>(angles.least) / kAnglesPerDegree;
   result.report.passes = solve.passes;
   result.report.peak_bytes = solve.peak_bytes;
   return result;

@@ -1,5 +1,6 @@
 // The sweep's inner loops: integers only, nothing allocated, one loop nest each. Lanes run over rows (v).
 //
+// Compiled once for the base instruction set and, on x86-64, once for AVX2; both give the same bytes.
 // Buffers may be read and written up to kPadding elements past `count`; what is written there is meaningless. Image
 // columns (left, right, surface) are not read past their end. Nothing needs to be aligned.
 #pragma once
@@ -14,44 +15,50 @@ constexpr uint8_t kLargestVariance = 40;  // 10 grey levels: what differs more i
 constexpr int kWeightBits = 6;            // of linear interpolation
 constexpr int kWeightOne = 1 << kWeightBits;
 
-// out[i] = (left[i] (64 - weight) + right[i] weight + 32) >> 6.
-void blend_columns(const uint8_t* left, const uint8_t* right, int weight, int count, uint8_t* out);
+struct Kernels {
+  // out[i] = (left[i] (64 - weight) + right[i] weight + 32) >> 6.
+  void (*blend_columns)(const uint8_t* left, const uint8_t* right, int weight, int count, uint8_t* out);
 
-// Linear interpolation of a column at rows (row_q16 + i step_q16) / 65536 >= 0:
-// out[i] = (column[r] (64 - f) + column[r + 1] f + 32) >> 6 with r the row's integer part, f the first 6 bits of the
-// rest. 0 < step_q16. The column may be read kPadding past the last row needed.
-void resample_rows(const uint8_t* column, int64_t row_q16, int32_t step_q16, int count, uint8_t* out);
+  // Linear interpolation of a column at rows (row_q16 + i step_q16) / 65536 >= 0:
+  // out[i] = (column[r] (64 - f) + column[r + 1] f + 32) >> 6 with r the row's integer part, f the first 6 bits of the
+  // rest. 0 < step_q16. The column may be read kPadding past the last row needed.
+  void (*resample_rows)(const uint8_t* column, int64_t row_q16, int32_t step_q16, int count, uint8_t* out);
 
-// mask[i] = 255 where surface[(row_q16 + i step_q16) / (65536 shrink)] <= limit, else 0.
-void test_visibility(const uint16_t* surface, int64_t row_q16, int32_t step_q16, int shrink, int limit, int count,
-                     uint8_t* mask);
+  // mask[i] = 255 where surface[(row_q16 + i step_q16) / (65536 shrink)] <= limit, else 0.
+  void (*test_visibility)(const uint16_t* surface, int64_t row_q16, int32_t step_q16, int shrink, int limit, int count,
+                          uint8_t* mask);
 
-// Robust variance over `views` samples (2 .. kMaxViews) of each row, samples[0] being the camera nearest to the rays.
-// It is the reference: with d the sorted |samples[k] - samples[0]|, d[0] = 0,
-//   phi = min(kLargestVariance, 2 (d[1] + d[2])), two views: 4 d[1],
-// the mean deviation of the two cameras that agree best with it, in 1/4 grey level. Beside depth edges most cameras do
-// not see the voxel, so that a median over all of them takes the nearer surface for true (measured on leaves: 68 % of
-// the rays have their least cost within a label of the truth, against 80 % here).
-void robust_variance(const uint8_t* const* samples, int views, int count, uint8_t* phi, uint8_t* reference);
+  // Robust variance over `views` samples (2 .. kMaxViews) of each row, samples[0] being the camera nearest to the rays.
+  // It is the reference: with d the sorted |samples[k] - samples[0]|, d[0] = 0,
+  //   phi = min(kLargestVariance, 2 (d[1] + d[2])), two views: 4 d[1],
+  // the mean deviation of the two cameras that agree best with it, in 1/4 grey level. Beside depth edges most cameras
+  // do not see the voxel, so that a median over all of them takes the nearer surface for true (measured on leaves: 68 %
+  // of the rays have their least cost within a label of the truth, against 80 % here).
+  void (*robust_variance)(const uint8_t* const* samples, int views, int count, uint8_t* phi, uint8_t* reference);
 
-// The same over the samples whose mask is 255; the reference is the first of them. Where one is left phi = prior,
-// where none is kLargestVariance and the reference 128. 1 <= views <= kMaxViews.
-void masked_robust_variance(const uint8_t* const* samples, const uint8_t* const* masks, int views, int prior, int count,
-                            uint8_t* phi, uint8_t* reference);
+  // The same over the samples whose mask is 255; the reference is the first of them. Where one is left phi = prior,
+  // where none is kLargestVariance and the reference 128. 1 <= views <= kMaxViews.
+  void (*masked_robust_variance)(const uint8_t* const* samples, const uint8_t* const* masks, int views, int prior,
+                                 int count, uint8_t* phi, uint8_t* reference);
 
-// out[i] = in[i] + in[i + 1] + ... + in[i + 4].
-void sum5(const uint8_t* in, int count, uint16_t* out);
+  // out[i] = in[i] + in[i + 1] + ... + in[i + 4].
+  void (*sum5)(const uint8_t* in, int count, uint16_t* out);
 
-// total[i] += entering[i] - leaving[i].
-void slide(const uint16_t* entering, const uint16_t* leaving, int count, uint16_t* total);
+  // total[i] += entering[i] - leaving[i].
+  void (*slide)(const uint16_t* entering, const uint16_t* leaving, int count, uint16_t* total);
 
-// out[i] = min(in[i], in[i + 1], in[i + 2]); values below 2^15.
-void min3_rows(const uint16_t* in, int count, uint16_t* out);
+  // out[i] = min(in[i], in[i + 1], in[i + 2]); values below 2^15.
+  void (*min3_rows)(const uint16_t* in, int count, uint16_t* out);
 
-// out[i] = min(a[i], b[i], c[i]); values below 2^15.
-void min3_columns(const uint16_t* a, const uint16_t* b, const uint16_t* c, int count, uint16_t* out);
+  // out[i] = min(a[i], b[i], c[i]); values below 2^15.
+  void (*min3_columns)(const uint16_t* a, const uint16_t* b, const uint16_t* c, int count, uint16_t* out);
 
-// Where sum[i] / 25 < best[i] (or `first`): best[i] = sum[i] / 25, best_median[i] = median[i].
-void keep_best(const uint16_t* sum, const uint8_t* median, bool first, int count, uint8_t* best, uint8_t* best_median);
+  // Where sum[i] / 25 < best[i] (or `first`): best[i] = sum[i] / 25, best_median[i] = median[i].
+  void (*keep_best)(const uint16_t* sum, const uint8_t* median, bool first, int count, uint8_t* best,
+                    uint8_t* best_median);
+};
+
+const Kernels& best();   // for the processor at hand
+const Kernels& plain();  // for the base instruction set; the same bytes
 
 }  // namespace ldp::kernels

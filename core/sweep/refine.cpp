@@ -2,6 +2,7 @@
 #include <set>
 
 #include "job.h"
+#include "smooth.h"
 #include "tables.h"
 
 namespace ldp {
@@ -18,15 +19,20 @@ class FineMinimum final : public SlabSink {
     int centre = 0;  // fine step of the label
     uint16_t previous = 0xFFFF, best = 0xFFFF, before = 0xFFFF, after = 0xFFFF;
     int16_t step = -1;
+    uint8_t grey = 128;  // of the best
+    bool wanted = true;
   };
 
-  FineMinimum(const Plane<uint8_t>& labels, const Window& window) : height_(window.height) {
-    for (int x = 0; x < window.width; ++x) {
-      for (int y = 0; y < window.height; ++y) rays_.push_back({labels.at(window.x + x, window.y + y) * kFine});
-    }
+  FineMinimum(const Plane<uint8_t>& labels, const Plane<uint8_t>& mask, const Window& window) : height_(window.height) {
+    for (int x = window.x; x < window.x + window.width; ++x)
+      for (int y = window.y; y < window.y + window.height; ++y) {
+        Ray& ray = rays_.emplace_back();
+        ray.centre = labels.at(x, y) * kFine;
+        ray.wanted = mask.empty() || mask.at(x, y) != 0;
+      }
   }
   void start(int step) { step_ = step; }
-  void column(int x, const uint16_t* cost, const uint8_t*) override {
+  void column(int x, const uint16_t* cost, const uint8_t* grey) override {
     Ray* ray = rays_.data() + static_cast<size_t>(x) * static_cast<size_t>(height_);
     for (int y = 0; y < height_; ++y, ++ray) {
       if (std::abs(step_ - ray->centre) > kReach) continue;
@@ -36,6 +42,7 @@ class FineMinimum final : public SlabSink {
         ray->before = ray->previous;
         ray->after = 0xFFFF;
         ray->step = static_cast<int16_t>(step_);
+        ray->grey = grey[y];
       }
       ray->previous = cost[y];
     }
@@ -63,7 +70,8 @@ uint16_t fitted(const FineMinimum::Ray& ray, int fine_steps) {
 
 std::set<int> steps_wanted(const FineMinimum& minimum, int fine_steps) {
   std::set<int> centres, steps;
-  for (const auto& ray : minimum.rays()) centres.insert(ray.centre);
+  for (const auto& ray : minimum.rays())
+    if (ray.wanted) centres.insert(ray.centre);
   for (const int centre : centres) {
     for (int s = std::max(0, centre - kReach); s <= std::min(fine_steps, centre + kReach); ++s) steps.insert(s);
   }
@@ -72,19 +80,20 @@ std::set<int> steps_wanted(const FineMinimum& minimum, int fine_steps) {
 
 }  // namespace
 
-DisparityMap refine(const Sweep& sweep, const Plane<uint8_t>& labels, const Job& job) {
-  return sweep.refine(labels, job);
+DisparityMap refine(const Sweep& sweep, const Plane<uint8_t>& labels, const Plane<uint8_t>& mask, const Job& job) {
+  return sweep.refine(labels, mask, job);
 }
 
-DisparityMap Sweep::refine(const Plane<uint8_t>& labels, const Job& job) const {
+DisparityMap Sweep::refine(const Plane<uint8_t>& labels, const Plane<uint8_t>& mask, const Job& job) const {
   Tables& t = *tables_;
-  DisparityMap disparity(labels.width, labels.height);
+  DisparityMap disparity(labels.width, labels.height, kNoDisparity);
+  Plane<uint8_t> grey(labels.width, labels.height);
   const int across = (labels.width + kTile - 1) / kTile, down = (labels.height + kTile - 1) / kTile;
   const int fine_steps = kFine * (t.options.labels - 1);
   parallel_for(job, across * down, [&](int tile) {
     const int x = tile / down * kTile, y = tile % down * kTile;
     const Window window{x, y, std::min(kTile, labels.width - x), std::min(kTile, labels.height - y)};
-    FineMinimum minimum(labels, window);
+    FineMinimum minimum(labels, mask, window);
     auto scratch = t.take_scratch();
     scratch->slab.reserve(window.height, t.longest_column);
     for (const int step : steps_wanted(minimum, fine_steps)) {
@@ -93,13 +102,15 @@ DisparityMap Sweep::refine(const Plane<uint8_t>& labels, const Job& job) const {
       sweep_slab(t.lines, w, window, t.options.prior_cost, scratch->slab, minimum);
     }
     t.give_back(std::move(scratch));
-    for (int i = 0; i < window.width; ++i) {
-      for (int j = 0; j < window.height; ++j) {
-        disparity.at(x + i, y + j) = fitted(minimum.rays()[static_cast<size_t>(i * window.height + j)], fine_steps);
+    const auto* ray = minimum.rays().data();
+    for (int i = 0; i < window.width; ++i)
+      for (int j = 0; j < window.height; ++j, ++ray) {
+        if (!ray->wanted) continue;
+        disparity.at(x + i, y + j) = fitted(*ray, fine_steps);
+        grey.at(x + i, y + j) = ray->grey;
       }
-    }
   });
-  return disparity;
+  return smooth(disparity, grey, t.grid.wraps, job);
 }
 
 }  // namespace ldp

@@ -23,7 +23,8 @@ class BestOfLabel final : public SlabSink {
   void start(bool first) { first_ = first; }
   void column(int x, const uint16_t* cost, const uint8_t* median) override {
     const size_t at = static_cast<size_t>(x) * static_cast<size_t>(height_);
-    kernels::keep_best(cost, median, first_, height_, scratch_.best.data() + at, scratch_.best_median.data() + at);
+    kernels::best().keep_best(cost, median, first_, height_, scratch_.best.data() + at,
+                              scratch_.best_median.data() + at);
   }
 
  private:

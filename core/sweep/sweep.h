@@ -37,7 +37,7 @@ class Sweep final : public CostSource {
   void read(const Window& window, uint8_t* cost, uint8_t* median) const override;
 
   // See the free function.
-  DisparityMap refine(const Plane<uint8_t>& labels, const Job& job) const;
+  DisparityMap refine(const Plane<uint8_t>& labels, const Plane<uint8_t>& mask, const Job& job) const;
 
  private:
   void forbid_front(const Window& window, uint8_t* cost) const;
@@ -45,9 +45,9 @@ class Sweep final : public CostSource {
   std::unique_ptr<Tables> tables_;
 };
 
-// Disparity to sub-label precision: for every pixel of `labels`, the best of the fine steps inside its label's interval
-// (and up to half an interval into its neighbours' where the cost is lower), smoothed where the image gives no
-// evidence.
-DisparityMap refine(const Sweep& sweep, const Plane<uint8_t>& labels, const Job& job);
+// Disparity to sub-label precision: for every pixel of `labels` the best of the fine steps inside its label's interval
+// (and up to half an interval into its neighbours' where the cost is lower), then smoothed within surfaces, with
+// outlines moved to the image's edges. Pixels where `mask` is 0 get kNoDisparity (empty mask: none).
+DisparityMap refine(const Sweep& sweep, const Plane<uint8_t>& labels, const Plane<uint8_t>& mask, const Job& job);
 
 }  // namespace ldp

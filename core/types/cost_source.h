@@ -15,7 +15,7 @@ class CostSource {
   virtual ~CostSource() = default;
   virtual int width() const = 0;
   virtual int height() const = 0;
-  virtual int labels() const = 0;   // L, 2 .. 16
+  virtual int labels() const = 0;  // L, 2 .. 16
   virtual bool wraps() const = 0;
 
   // Fills, for every pixel of the window, L matching costs phi (paper 3.2) and L median greys mu. Layout of both:

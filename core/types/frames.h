@@ -13,8 +13,8 @@ class FrameSource {
  public:
   virtual ~FrameSource() = default;
   virtual int size() const = 0;
-  virtual std::string name(int index) const = 0;   // file name without folders; unique in the source
-  virtual RgbImage load(int index) const = 0;      // upright as stored in EXIF; throws std::runtime_error naming the file
+  virtual std::string name(int index) const = 0;  // file name without folders; unique in the source
+  virtual RgbImage load(int index) const = 0;  // upright as stored in EXIF; throws std::runtime_error naming the file
   virtual std::optional<double> focal_hint(int index) const = 0;  // focal length / longer image side, from EXIF
 };
 

@@ -21,9 +21,9 @@ namespace ldp {
 // Pinhole with radial and tangential distortion in OpenCV's order; principal point with pixel centres at .5, so that
 // the middle of a w-pixel wide image is w/2.
 struct Intrinsics {
-  int width = 0, height = 0;                  // pixels
-  double fx = 0, fy = 0, cx = 0, cy = 0;      // pixels
-  double k1 = 0, k2 = 0, p1 = 0, p2 = 0;      // Brown-Conrady, on normalised coordinates
+  int width = 0, height = 0;              // pixels
+  double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0;  // Brown-Conrady, on normalised coordinates
 };
 
 // World-from-camera rotation (columns: the camera's right, down and forward axes in the world) and camera centre.
@@ -73,11 +73,13 @@ struct PanoramaGrid {
   int width = 0, height = 0;
   double theta_left = 0, theta_pitch = 0;  // theta_pitch * width = 2 pi exactly when the panorama wraps
   double v_top = 0, v_pitch = 0;
-  bool wraps = false;                      // column width is column 0 again
-  double w_far = 0, w_near = 0;            // inverse depths of label 0 and of the last label; w_far may be 0
+  bool wraps = false;            // column width is column 0 again
+  double w_far = 0, w_near = 0;  // inverse depths of label 0 and of the last label; w_far may be 0
 
   double ray_radius() const { return rays == Rays::pushbroom ? arc.radius : 0.0; }
-  double theta(double x_px) const { return theta_left - x_px * theta_pitch; }  // x_px continuous: centre of column x at x + .5
+  double theta(double x_px) const {
+    return theta_left - x_px * theta_pitch;
+  }  // x_px continuous: centre of column x at x + .5
   double v(double y_px) const { return v_top - y_px * v_pitch; }
   double inverse_depth(double disparity) const;  // disparity in steps (0 .. kDisparitySteps), see disparity.h
 

@@ -22,7 +22,8 @@ struct Impossible : std::runtime_error {
 struct Job {
   int threads = 1;
   std::stop_token stop;
-  std::function<void(std::string_view stage, double fraction)> progress;  // may be empty; called from one thread at a time
+  std::function<void(std::string_view stage, double fraction)>
+      progress;  // may be empty; called from one thread at a time
 
   void check() const {
     if (stop.stop_requested()) throw Cancelled();

@@ -31,7 +31,7 @@ struct ViewingLimits {
 
 struct LayeredPanorama {
   PanoramaGrid grid;
-  std::vector<Layer> layers;  // front to back, 1 .. 8
+  std::vector<Layer> layers;    // front to back, 1 .. 8
   std::vector<Camera> cameras;  // the source cameras, as used
   ViewingLimits limits;
   std::map<std::string, double> quality;        // named figures, e.g. "psnr_leave_one_out_db"

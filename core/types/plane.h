@@ -22,11 +22,14 @@ struct Plane {
   std::vector<T> samples;  // width * height, row by row
 
   Plane() = default;
-  Plane(int w, int h, T value = T{}) : width(w), height(h), samples(static_cast<size_t>(w) * static_cast<size_t>(h), value) {}
+  Plane(int w, int h, T value = T{})
+      : width(w), height(h), samples(static_cast<size_t>(w) * static_cast<size_t>(h), value) {}
 
   bool empty() const { return samples.empty(); }
   bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width && y < height; }
-  size_t index(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x); }
+  size_t index(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+  }
   T& at(int x, int y) { return samples[index(x, y)]; }
   const T& at(int x, int y) const { return samples[index(x, y)]; }
   T* row(int y) { return samples.data() + index(0, y); }

@@ -42,6 +42,7 @@ class VoxelProjection {
     right_x_ = snapped(right.x()), right_y_ = snapped(right.y());
     forward_x_ = snapped(forward.x()), forward_y_ = snapped(forward.y());
     a_right_ = snapped(a.dot(right)), a_forward_ = snapped(a.dot(forward)), a_up_ = snapped(a.z());
+    place_x_ = -snapped(a.x()), place_y_ = -snapped(a.y());
   }
 
   Column column(Heading u) const {
@@ -52,6 +53,8 @@ class VoxelProjection {
   double forward(Column u, double w) const { return w * a_forward_ + (ray_radius_ * w + 1) * u.forward; }
   double right(Column u, double w) const { return w * a_right_ + (ray_radius_ * w + 1) * u.right; }
   double up(double v, double w) const { return w * a_up_ + v; }
+  // Distance of the camera from the vertical plane through the arc's axis along u, signed.
+  double aside(Heading u) const { return u.cos * place_y_ - u.sin * place_x_; }
   double x_px(Column u, double w) const { return focal_ * right(u, w) / forward(u, w) + cx_; }
 
   // y = row_at(v = 0) + v * row_slope for every v of one (theta, w).
@@ -62,6 +65,7 @@ class VoxelProjection {
   double focal_, cx_, cy_, ray_radius_;
   double right_x_, right_y_, forward_x_, forward_y_;
   double a_right_, a_forward_, a_up_;
+  double place_x_, place_y_;  // of the camera, seen from the arc's centre
 };
 
 }  // namespace ldp

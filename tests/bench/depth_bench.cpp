@@ -1,13 +1,15 @@
 // How true the depths of the sweep are: error of the best label by cost alone, of the label map after the cut, and of
 // the refined disparity, against a rendered capture's depth maps.
 //
-//   depth_bench CAPTURE [--central] [--pictures DIR]
+//   depth_bench CAPTURE [--central] [--pictures DIR] [--truth FILE]
 //
-// CAPTURE holds frames/, transforms.json and frames_depth/ (DESIGN 7). Errors are in labels of 16.
+// FILE keeps the truth from run to run: it takes minutes to find. CAPTURE holds frames/, transforms.json and
+// frames_depth/ (DESIGN 7). Errors are in labels of 16.
 #include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "arc.h"
@@ -46,21 +48,27 @@ double seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 void report(const char* what, const DisparityMap& found, const DisparityMap& truth) {
   std::vector<int> errors;
   for (size_t i = 0; i < truth.samples.size(); ++i) {
-    if (truth.samples[i] != kNoDisparity && found.samples[i] != kNoDisparity) errors.push_back(std::abs(truth.samples[i] - found.samples[i]));
+    if (truth.samples[i] != kNoDisparity && found.samples[i] != kNoDisparity)
+      errors.push_back(std::abs(truth.samples[i] - found.samples[i]));
   }
   const auto share = [&](int limit) {
-    return 100.0 * static_cast<double>(std::count_if(errors.begin(), errors.end(), [&](int e) { return e <= limit; })) / static_cast<double>(errors.size());
+    return 100.0 * static_cast<double>(std::count_if(errors.begin(), errors.end(), [&](int e) { return e <= limit; })) /
+           static_cast<double>(errors.size());
   };
   double sum = 0;
   for (const int e : errors) sum += std::min(e, 255);
   std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2), errors.end());
-  std::printf("%-10s median %.3f  truncated mean %.3f  within 1/8 %5.1f %%  1/4 %5.1f %%  1/2 %5.1f %%  1 %5.1f %%  2 %5.1f %%\n", what,
-              errors[errors.size() / 2] / 255.0, sum / 255 / static_cast<double>(errors.size()), share(32), share(64), share(128), share(255), share(510));
+  std::printf(
+      "%-10s median %.3f  truncated mean %.3f  within 1/8 %5.1f %%  1/4 %5.1f %%  1/2 %5.1f %%  1 %5.1f %%  2 %5.1f "
+      "%%\n",
+      what, errors[errors.size() / 2] / 255.0, sum / 255 / static_cast<double>(errors.size()), share(32), share(64),
+      share(128), share(255), share(510));
 }
 
 DisparityMap of_labels(const Plane<uint8_t>& labels) {
   DisparityMap disparity(labels.width, labels.height);
-  for (size_t i = 0; i < labels.samples.size(); ++i) disparity.samples[i] = static_cast<uint16_t>(labels.samples[i] * (kDisparitySteps / 15));
+  for (size_t i = 0; i < labels.samples.size(); ++i)
+    disparity.samples[i] = static_cast<uint16_t>(labels.samples[i] * (kDisparitySteps / 15));
   return disparity;
 }
 
@@ -89,12 +97,34 @@ void save(const std::string& folder, const char* name, const DisparityMap& dispa
   if (folder.empty()) return;
   Plane<uint8_t> grey(disparity.width, disparity.height);
   for (size_t i = 0; i < grey.samples.size(); ++i) {
-    grey.samples[i] = disparity.samples[i] == kNoDisparity ? 0 : static_cast<uint8_t>(disparity.samples[i] * 255 / kDisparitySteps);
+    grey.samples[i] =
+        disparity.samples[i] == kNoDisparity ? 0 : static_cast<uint8_t>(disparity.samples[i] * 255 / kDisparitySteps);
   }
   write_file(fs::path(folder) / name, encode_png(grey));
 }
 
-int run(const fs::path& capture, Rays rays, const std::string& pictures) {
+// The truth takes minutes, and is the same while poses and grid are.
+template <typename Compute>
+DisparityMap cached_truth(const std::string& file, const Compute& compute) {
+  if (std::ifstream in(file, std::ios::binary); !file.empty() && in) {
+    int32_t size[2];
+    in.read(reinterpret_cast<char*>(size), sizeof size);
+    DisparityMap truth(size[0], size[1]);
+    in.read(reinterpret_cast<char*>(truth.samples.data()), static_cast<std::streamsize>(2 * truth.samples.size()));
+    return truth;
+  }
+  const DisparityMap truth = compute();
+  if (!file.empty()) {
+    std::ofstream out(file, std::ios::binary);
+    const int32_t size[2] = {truth.width, truth.height};
+    out.write(reinterpret_cast<const char*>(size), sizeof size);
+    out.write(reinterpret_cast<const char*>(truth.samples.data()),
+              static_cast<std::streamsize>(2 * truth.samples.size()));
+  }
+  return truth;
+}
+
+int run(const fs::path& capture, Rays rays, const std::string& pictures, const std::string& kept_truth) {
   const Job job;
   const auto given = read_transforms(capture / "transforms.json");
   const Frames frames(capture / "frames", given);
@@ -109,18 +139,21 @@ int run(const fs::path& capture, Rays rays, const std::string& pictures) {
   GridOptions grid_options;
   grid_options.rays = rays;
   const PanoramaGrid grid = lay_grid(fit.arc, poses.cameras, poses.points, grid_options);
-  std::printf("grid %dx%d, depths %.2f to %.2f, radius %.3f\n", grid.width, grid.height, 1 / grid.w_near, 1 / grid.w_far, fit.arc.radius);
+  std::printf("grid %dx%d, depths %.2f to %.2f, radius %.3f\n", grid.width, grid.height, 1 / grid.w_near,
+              1 / grid.w_far, fit.arc.radius);
   std::vector<Plane<float>> depths;
   for (const Camera& camera : poses.cameras) {
     depths.push_back(read_npy(capture / "frames_depth" / fs::path(camera.name).replace_extension(".npy")));
   }
   start = seconds();
-  const DisparityMap truth = true_disparity(grid, poses.cameras, depths, job);
+  const DisparityMap truth = cached_truth(kept_truth, [&] { return true_disparity(grid, poses.cameras, depths, job); });
   lap("truth");
   save(pictures, "truth.png", truth);
   const auto upright = rectify(frames, poses.cameras, poses.frame_of_camera, poses.points, fit.arc, job);
   lap("rectify");
-  for (const auto& frame : upright) std::printf("%.3f/%.3f/%.3f ", static_cast<double>(frame.gain[0]), static_cast<double>(frame.gain[1]), static_cast<double>(frame.gain[2]));
+  for (const auto& frame : upright)
+    std::printf("%.3f/%.3f/%.3f ", static_cast<double>(frame.gain[0]), static_cast<double>(frame.gain[1]),
+                static_cast<double>(frame.gain[2]));
   std::printf("\n");
   const Sweep sweep(upright, grid, {}, {}, {});
   Plane<uint8_t> grey, least;
@@ -133,7 +166,9 @@ int run(const fs::path& capture, Rays rays, const std::string& pictures) {
     write_file(fs::path(pictures) / "cost.png", encode_png(least));
   }
 #ifdef HAVE_SOLVE
-  const Labelling cut = solve_depth(sweep, {}, {}, job);
+  SolveOptions keeping;
+  keeping.memory_bytes = size_t{128} << 20;
+  const Labelling cut = solve_depth(sweep, {}, keeping, job);
   lap("solve");
   report("cut", of_labels(cut.labels), truth);
   save(pictures, "cut.png", of_labels(cut.labels));
@@ -141,7 +176,7 @@ int run(const fs::path& capture, Rays rays, const std::string& pictures) {
 #else
   const Plane<uint8_t>& labels = cheapest;
 #endif
-  const DisparityMap refined = refine(sweep, labels, job);
+  const DisparityMap refined = refine(sweep, labels, {}, job);
   lap("refine");
   report("refined", refined, truth);
   save(pictures, "refined.png", refined);
@@ -153,14 +188,15 @@ int run(const fs::path& capture, Rays rays, const std::string& pictures) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::fprintf(stderr, "usage: depth_bench CAPTURE [--central] [--pictures DIR]\n");
+    std::fprintf(stderr, "usage: depth_bench CAPTURE [--central] [--pictures DIR] [--truth FILE]\n");
     return 2;
   }
   ldp::Rays rays = ldp::Rays::pushbroom;
-  std::string pictures;
+  std::string pictures, kept_truth;
   for (int i = 2; i < argc; ++i) {
     if (!std::strcmp(argv[i], "--central")) rays = ldp::Rays::central;
     if (!std::strcmp(argv[i], "--pictures") && i + 1 < argc) pictures = argv[++i];
+    if (!std::strcmp(argv[i], "--truth") && i + 1 < argc) kept_truth = argv[++i];
   }
-  return ldp::run(argv[1], rays, pictures);
+  return ldp::run(argv[1], rays, pictures, kept_truth);
 }

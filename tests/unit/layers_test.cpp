@@ -27,6 +27,14 @@ std::vector<UprightFrame> three_cameras() {
   return {upright_of(camera_at(0.25), 0), upright_of(camera_at(0), 1), upright_of(camera_at(-0.25), 2)};
 }
 
+std::vector<VisibilityMap> visibility(const PanoramaGrid& grid, const std::vector<const DisparityMap*>& layers,
+                                      const std::vector<UprightFrame>& frames, const LayersOptions& options,
+                                      const Job& job) {
+  std::vector<VisibilityMap> maps;
+  for (const DisparityMap* layer : layers) add_layer(grid, *layer, frames, options, job, maps);
+  return maps;
+}
+
 int count(const Plane<uint8_t>& want, Want wanted) {
   return static_cast<int>(std::count(want.samples.begin(), want.samples.end(), wanted));
 }
@@ -83,7 +91,21 @@ TEST(Visibility, StopsWhenAsked) {
 TEST(Visibility, RefusesAShrinkOfZero) {
   LayersOptions options;
   options.shrink = 0;
-  EXPECT_THROW(visibility(simple_grid(0.5), {}, {}, options, {}), std::logic_error);
+  const DisparityMap none;
+  EXPECT_THROW(visibility(simple_grid(0.5), {&none}, {}, options, {}), std::logic_error);
+}
+
+TEST(WithoutSilhouettes, TakesTheFarthestWithinReachAndKeepsBroadSurfaces) {
+  DisparityMap map(30, 20, 100);
+  for (int y = 5; y < 15; ++y)
+    for (int x = 10; x < 20; ++x) map.at(x, y) = 3000;
+  map.at(2, 2) = 3500;
+  const DisparityMap sure = without_silhouettes(map, 3);
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 30; ++x) {
+      const bool inside = x >= 13 && x < 17 && y >= 8 && y < 12;
+      ASSERT_EQ(sure.at(x, y), inside ? 3000 : 100) << x << ", " << y;
+    }
 }
 
 TEST(WantedBehind, NothingBehindOneSurface) {

@@ -1,0 +1,1 @@
+ldp_test(sweep_test SOURCES sweep_test.cpp sweep_kernels_test.cpp USES ldp_sweep)

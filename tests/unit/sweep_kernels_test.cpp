@@ -1,0 +1,179 @@
+// Every kernel, for the processor at hand and for the base instruction set, against its formula written as a loop.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <random>
+#include <vector>
+
+#include "kernels.h"
+
+namespace ldp::kernels {
+namespace {
+
+constexpr int kLongest = 70;  // more than two vectors, so that every remainder occurs
+
+class SweepKernels : public testing::TestWithParam<const Kernels*> {
+ protected:
+  template <typename T>
+  std::vector<T> noise(int count, int largest) {
+    std::vector<T> values(static_cast<size_t>(count + kPadding));
+    for (T& value : values) value = static_cast<T>(std::uniform_int_distribution<int>(0, largest)(random_));
+    return values;
+  }
+  template <typename T>
+  static std::vector<T> first(const std::vector<T>& values, int count) {
+    return {values.begin(), values.begin() + count};
+  }
+  const Kernels& k() const { return *GetParam(); }
+
+  std::mt19937 random_{7};
+};
+
+TEST_P(SweepKernels, BlendTwoColumnsAtEveryWeight) {
+  const auto left = noise<uint8_t>(kLongest, 255), right = noise<uint8_t>(kLongest, 255);
+  for (int count = 1; count <= kLongest; ++count) {
+    const int weight = count % kWeightOne;
+    std::vector<uint8_t> out(kLongest + kPadding), expected;
+    k().blend_columns(left.data(), right.data(), weight, count, out.data());
+    for (size_t i = 0; i < static_cast<size_t>(count); ++i)
+      expected.push_back(static_cast<uint8_t>((left[i] * (64 - weight) + right[i] * weight + 32) >> 6));
+    ASSERT_EQ(first(out, count), expected) << count;
+  }
+}
+
+TEST_P(SweepKernels, ResampleRowsAtStepsFromHalfToFour) {
+  const auto column = noise<uint8_t>(4 * kLongest + 8, 255);
+  for (const int32_t step : {32768, 65535, 65536, 65537, 131071, 131072, 131073, 262144})
+    for (int count = 1; count <= kLongest; ++count) {
+      const int64_t start = 4 * 65536 + 977 * count;
+      std::vector<uint8_t> out(kLongest + kPadding), expected;
+      k().resample_rows(column.data(), start, step, count, out.data());
+      for (int i = 0; i < count; ++i) {
+        const int64_t row = start + int64_t{i} * step;
+        const int f = static_cast<int>(row >> 10) & 63;
+        const auto at = static_cast<size_t>(row >> 16);
+        expected.push_back(static_cast<uint8_t>((column[at] * (64 - f) + column[at + 1] * f + 32) >> 6));
+      }
+      ASSERT_EQ(first(out, count), expected) << step << " " << count;
+    }
+}
+
+TEST_P(SweepKernels, TestVisibilityWithoutReadingPastTheSurface) {
+  for (const int shrink : {1, 2})
+    for (const int32_t step : {40000, 65536, 131072, 200000})
+      for (int count = 1; count <= kLongest; ++count) {
+        const int64_t start = 70000;
+        const auto length = static_cast<size_t>((start + int64_t{step} * (count - 1)) / 65536 / shrink + 1);
+        std::vector<uint16_t> surface(length);  // exactly what may be read: a sanitizer sees the rest
+        for (auto& s : surface) s = static_cast<uint16_t>(random_());
+        const int limit = count % 3 == 0 ? 70000 : 40000;
+        std::vector<uint8_t> mask(kLongest + kPadding), expected;
+        k().test_visibility(surface.data(), start, step, shrink, limit, count, mask.data());
+        for (int i = 0; i < count; ++i) {
+          const auto row = static_cast<size_t>((start + int64_t{i} * step) / 65536 / shrink);
+          expected.push_back(surface[row] <= limit ? 255 : 0);
+        }
+        ASSERT_EQ(first(mask, count), expected) << shrink << " " << step << " " << count;
+      }
+}
+
+// phi of one row from the samples that count, the first of them being the reference.
+int variance_of(const std::vector<int>& seen, int prior) {
+  if (seen.empty()) return kLargestVariance;
+  if (seen.size() == 1) return prior;
+  std::vector<int> deviation;
+  for (const int s : seen) deviation.push_back(std::abs(s - seen[0]));
+  std::sort(deviation.begin(), deviation.end());
+  return std::min<int>(kLargestVariance, 2 * (deviation[1] + deviation[seen.size() > 2 ? 2 : 1]));
+}
+
+TEST_P(SweepKernels, RobustVarianceOfTwoToEightViews) {
+  for (int views = 2; views <= kMaxViews; ++views)
+    for (int count = 1; count <= kLongest; ++count) {
+      std::vector<std::vector<uint8_t>> samples;
+      std::vector<const uint8_t*> pointers;
+      for (int v = 0; v < views; ++v) samples.push_back(noise<uint8_t>(kLongest, 30));
+      for (const auto& s : samples) pointers.push_back(s.data());
+      std::vector<uint8_t> phi(kLongest + kPadding), reference = phi, expected;
+      k().robust_variance(pointers.data(), views, count, phi.data(), reference.data());
+      for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
+        std::vector<int> seen;
+        for (const auto& s : samples) seen.push_back(s[i]);
+        expected.push_back(static_cast<uint8_t>(variance_of(seen, 0)));
+      }
+      ASSERT_EQ(first(phi, count), expected) << views << " " << count;
+      ASSERT_EQ(first(reference, count), first(samples[0], count));
+    }
+}
+
+TEST_P(SweepKernels, MaskedVarianceLooksOnlyAtWhatSees) {
+  constexpr int kPrior = 36;
+  for (int views = 1; views <= kMaxViews; ++views)
+    for (int count = 1; count <= kLongest; ++count) {
+      std::vector<std::vector<uint8_t>> samples, masks;
+      std::vector<const uint8_t*> sample_pointers, mask_pointers;
+      for (int v = 0; v < views; ++v) {
+        samples.push_back(noise<uint8_t>(kLongest, 30));
+        masks.push_back(noise<uint8_t>(kLongest, 1));
+        for (auto& m : masks.back()) m = m ? 255 : 0;
+      }
+      for (const auto& s : samples) sample_pointers.push_back(s.data());
+      for (const auto& m : masks) mask_pointers.push_back(m.data());
+      std::vector<uint8_t> phi(kLongest + kPadding), reference = phi, expected, expected_reference;
+      k().masked_robust_variance(sample_pointers.data(), mask_pointers.data(), views, kPrior, count, phi.data(),
+                                 reference.data());
+      for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
+        std::vector<int> seen;
+        for (size_t v = 0; v < samples.size(); ++v)
+          if (masks[v][i]) seen.push_back(samples[v][i]);
+        expected.push_back(static_cast<uint8_t>(variance_of(seen, kPrior)));
+        expected_reference.push_back(static_cast<uint8_t>(seen.empty() ? 128 : seen[0]));
+      }
+      ASSERT_EQ(first(phi, count), expected) << views << " " << count;
+      ASSERT_EQ(first(reference, count), expected_reference);
+    }
+}
+
+TEST_P(SweepKernels, SumsAndMinimaOfWindows) {
+  const auto bytes = noise<uint8_t>(kLongest, 40);
+  const auto a = noise<uint16_t>(kLongest, 1000), b = noise<uint16_t>(kLongest, 1000),
+             c = noise<uint16_t>(kLongest, 1000);
+  for (int count = 1; count <= kLongest; ++count) {
+    std::vector<uint16_t> sum(kLongest + kPadding), total = c, rows = sum, columns = sum;
+    k().sum5(bytes.data(), count, sum.data());
+    k().slide(a.data(), b.data(), count, total.data());
+    k().min3_rows(a.data(), count, rows.data());
+    k().min3_columns(a.data(), b.data(), c.data(), count, columns.data());
+    for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
+      ASSERT_EQ(sum[i], bytes[i] + bytes[i + 1] + bytes[i + 2] + bytes[i + 3] + bytes[i + 4]);
+      ASSERT_EQ(total[i], static_cast<uint16_t>(c[i] + a[i] - b[i]));
+      ASSERT_EQ(rows[i], std::min({a[i], a[i + 1], a[i + 2]}));
+      ASSERT_EQ(columns[i], std::min({a[i], b[i], c[i]}));
+    }
+  }
+}
+
+TEST_P(SweepKernels, KeepBestDividesByTheBoxAndKeepsTheFirstOfEquals) {
+  const auto sum = noise<uint16_t>(kLongest, 25 * 40);
+  const auto grey = noise<uint8_t>(kLongest, 255);
+  for (int count = 1; count <= kLongest; ++count)
+    for (const bool start : {true, false}) {
+      auto best = noise<uint8_t>(kLongest, 40), best_grey = noise<uint8_t>(kLongest, 255);
+      const auto before = best, grey_before = best_grey;
+      k().keep_best(sum.data(), grey.data(), start, count, best.data(), best_grey.data());
+      for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
+        const int cost = sum[i] / 25;
+        const bool better = start || cost < before[i];
+        ASSERT_EQ(best[i], better ? cost : before[i]);
+        ASSERT_EQ(best_grey[i], better ? grey[i] : grey_before[i]);
+      }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, SweepKernels, testing::Values(&best(), &plain()),
+                         [](const auto& set) { return std::string(set.index == 0 ? "Best" : "Plain"); });
+
+}  // namespace
+}  // namespace ldp::kernels

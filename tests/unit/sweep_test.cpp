@@ -1,0 +1,157 @@
+#include "sweep.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "simple_capture.h"
+#include "smooth.h"
+
+namespace ldp {
+namespace {
+
+using test::camera_at, test::simple_grid, test::upright_of;
+
+double texture(double theta, double height) {
+  return 128 + 30 * std::sin(90 * theta + 11 * height) + 25 * std::sin(61 * height - 37 * theta) +
+         20 * std::sin(140 * theta * height + 3);
+}
+
+// What an upright camera on the circle of radius 1 sees of a textured cylinder around it, at distance 1 / w.
+UprightFrame picture_of_cylinder(double theta, double w, int source) {
+  UprightFrame frame = upright_of(camera_at(theta), source);
+  const UprightCamera& camera = frame.camera;
+  const double radius = 1 + 1 / w;
+  for (int x = 0; x < camera.width; ++x)
+    for (int y = 0; y < camera.height; ++y) {
+      const Eigen::Vector3d ray = camera.forward + (x + 0.5 - camera.cx) / camera.focal * camera.right +
+                                  (camera.cy - y - 0.5) / camera.focal * Eigen::Vector3d::UnitZ();
+      const double a = ray.head<2>().squaredNorm(), b = ray.head<2>().dot(camera.centre.head<2>());
+      const double t = (-b + std::sqrt(b * b + a * (radius * radius - 1))) / a;
+      const Eigen::Vector3d hit = camera.centre + t * ray;
+      frame.columns.row(x)[y] = static_cast<uint8_t>(texture(std::atan2(hit.y(), hit.x()), hit.z() * w));
+    }
+  return frame;
+}
+
+std::vector<UprightFrame> pictures(double w) {
+  std::vector<UprightFrame> frames;
+  for (int i = 0; i < 5; ++i) frames.push_back(picture_of_cylinder(0.3 - 0.15 * i, w, i));
+  return frames;
+}
+
+struct Costs {
+  std::vector<uint8_t> cost, grey;
+};
+
+Costs read(const Sweep& sweep, const Window& window) {
+  const auto size = static_cast<size_t>(window.width * window.height * sweep.labels());
+  Costs costs{std::vector<uint8_t>(size), std::vector<uint8_t>(size)};
+  sweep.read(window, costs.cost.data(), costs.grey.data());
+  return costs;
+}
+
+TEST(Sweep, FindsTheLabelOfACylinderEverywhere) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  for (const int label : {4, 10, 15}) {
+    const auto frames = pictures(grid.inverse_depth(label * kDisparitySteps / 15.0));
+    const Sweep sweep(frames, grid, {}, {}, {});
+    const Window window{20, 10, 60, 40};
+    const Costs costs = read(sweep, window);
+    for (int p = 0; p < window.width * window.height; ++p) {
+      const auto* cost = costs.cost.data() + p * 16;
+      ASSERT_EQ(std::min_element(cost, cost + 16) - cost, label) << "pixel " << p;
+    }
+  }
+}
+
+TEST(Sweep, AnyWindowGivesWhatTheWholeGives) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  const auto frames = pictures(0.25);
+  const Sweep sweep(frames, grid, {}, {}, {});
+  const Costs whole = read(sweep, {0, 0, grid.width, grid.height});
+  for (const Window& window : {Window{0, 0, 7, 9}, Window{93, 51, 7, 9}, Window{31, 0, 1, 60}, Window{0, 17, 100, 1}}) {
+    const Costs part = read(sweep, window);
+    for (int x = 0; x < window.width; ++x)
+      for (int i = 0; i < window.height * 16; ++i) {
+        const auto at = static_cast<size_t>(x * window.height * 16 + i);
+        const auto in_whole = static_cast<size_t>(((window.x + x) * grid.height + window.y) * 16 + i);
+        ASSERT_EQ(part.cost[at], whole.cost[in_whole]) << window.x << "," << window.y << " at " << x << " " << i;
+        ASSERT_EQ(part.grey[at], whole.grey[in_whole]);
+      }
+  }
+}
+
+TEST(Sweep, LabelsInFrontOfTheLayerBeforeAreForbidden) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  const auto frames = pictures(0.25);
+  const DisparityMap front(grid.width, grid.height, 8 * kDisparitySteps / 15);
+  const Sweep sweep(frames, grid, {}, front, {});
+  const Costs costs = read(sweep, {50, 30, 1, 1});
+  for (size_t label = 0; label < 16; ++label) EXPECT_EQ(costs.cost[label] == 255, label >= 8) << label;
+}
+
+TEST(Sweep, RefusesOptionsOutsideTheirRange) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  const auto frames = pictures(0.25);
+  SweepOptions options;
+  options.substeps = 0;
+  EXPECT_THROW(Sweep(frames, grid, {}, {}, options), std::logic_error);
+  EXPECT_THROW(Sweep(frames, grid, {}, DisparityMap(3, 3), {}), std::logic_error);
+  EXPECT_THROW(Sweep(frames, grid, std::vector<VisibilityMap>(2), {}, {}), std::logic_error);
+}
+
+TEST(Refine, FindsDepthsBetweenLabels) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  for (const double label : {4.3, 9.6, 12.45}) {
+    const auto frames = pictures(grid.inverse_depth(label * kDisparitySteps / 15));
+    const Sweep sweep(frames, grid, {}, {}, {});
+    const Plane<uint8_t> labels(grid.width, grid.height, static_cast<uint8_t>(std::lround(label)));
+    const DisparityMap refined = refine(sweep, labels, {}, {});
+    for (int y = 10; y < 50; ++y)
+      for (int x = 20; x < 80; ++x)
+        ASSERT_NEAR(refined.at(x, y) * 15.0 / kDisparitySteps, label, 0.06) << x << "," << y;
+  }
+}
+
+TEST(Refine, LeavesOutWhatTheMaskLeavesOutAndIsTheSameAtAnyThreadCount) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  const auto frames = pictures(0.25);
+  const Sweep sweep(frames, grid, {}, {}, {});
+  const Plane<uint8_t> labels(grid.width, grid.height, 6);
+  Plane<uint8_t> mask(grid.width, grid.height, 0);
+  for (int y = 20; y < 30; ++y) std::fill(mask.row(y) + 40, mask.row(y) + 60, uint8_t{1});
+  Job one, eight;
+  one.threads = 1, eight.threads = 8;
+  const DisparityMap refined = refine(sweep, labels, mask, one);
+  for (int y = 0; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x) ASSERT_EQ(refined.at(x, y) == kNoDisparity, mask.at(x, y) == 0);
+  EXPECT_EQ(refined, refine(sweep, labels, mask, eight));
+}
+
+TEST(Smooth, MovesAnOutlineToTheEdgeOfTheImageAndRemovesNoise) {
+  DisparityMap disparity(60, 40);
+  Plane<uint8_t> guide(60, 40);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 60; ++x) {
+      const bool near = x < 30;
+      guide.at(x, y) = near ? 60 : 180;
+      disparity.at(x, y) = static_cast<uint16_t>((x < 33 ? 3000 : 600) + (x * 7 + y * 13) % 40 - 20);  // 3 px too wide
+    }
+  const DisparityMap out = smooth(disparity, guide, false, {});
+  for (int y = 6; y < 34; ++y)
+    for (int x = 6; x < 54; ++x) ASSERT_NEAR(out.at(x, y), x < 30 ? 3000 : 600, 8) << x << "," << y;
+}
+
+TEST(Smooth, LooksAcrossTheSeamOfAGridThatWraps) {
+  DisparityMap disparity(40, 12, 1000);
+  const Plane<uint8_t> guide(40, 12, 100);
+  for (int y = 0; y < 12; ++y) std::fill(disparity.row(y), disparity.row(y) + 5, uint16_t{2000});
+  EXPECT_EQ(smooth(disparity, guide, false, {}).at(0, 6), 2000);  // 5 of the 6 columns that it sees
+  EXPECT_EQ(smooth(disparity, guide, true, {}).at(0, 6), 1000);   // 5 of 11
+}
+
+}  // namespace
+}  // namespace ldp
