@@ -1,5 +1,6 @@
 #include "capture_session.h"
 
+#include <malloc.h>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/signalfd.h>
@@ -33,6 +34,13 @@ std::string seconds_text(double seconds) {
 
 std::filesystem::path program_beside_us() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "ldp";
+}
+
+// What the pictures of a sweep took, and the C library would keep for the next one.
+void give_memory_back() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
 }
 
 UniqueFd event_descriptor() {
@@ -248,6 +256,7 @@ void CaptureSession::abandon_sweep() {
     }
   }
   if (run_ != Run::capture_only) store_.discard(capture_);
+  give_memory_back();
   frames_stored_ = 0;
   say("the sweep was cancelled; its frames were removed");
   capture_.clear();
@@ -256,6 +265,7 @@ void CaptureSession::abandon_sweep() {
 // The last frame is on disk: on to the build.
 void CaptureSession::continue_after_sweep() {
   sweep_closing_ = false;
+  give_memory_back();
   if (phase_ != Phase::building) return;
   if (frames_stored_ < config_.min_frames) {
     const std::string why = storage_problem_.empty()

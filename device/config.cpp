@@ -220,8 +220,10 @@ CheckedConfig parse_config(const std::string& toml_text) {
 
 CheckedConfig read_config(const std::filesystem::path& file) {
   std::ifstream in(file);
+  in.peek();  // a folder fails here; an empty file is a good one
+  if (!in.is_open() || in.bad()) return {{}, {{0, "cannot read the file"}}};
   std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) return {{}, {{0, "cannot read the file"}}};
+  text << in.rdbuf();
   return parse_config(text.str());
 }
 

@@ -50,8 +50,8 @@ CHECK
 make_button
 BUILD_PROGRAM=$(command -v ldp)
 BUILD_OPTIONS=$(printf '"%s",' "$@")
-configure 'min_frames = 3' 'lost_after_seconds = 5' 'overlap = 0.95'  # every frame of the camera is kept
-plug 8 4
+configure 'min_frames = 3' 'lost_after_seconds = 8' 'overlap = 0.95' 'max_seconds = 300'  # every frame of the camera is kept
+plug 3 4
 start_service --camera v4l2:/dev/video0
 
 echo "the frames of a sweep arrive byte by byte"
@@ -71,7 +71,7 @@ grep -q '"pixel_format": "mjpeg"' "$out/sweep_000001/capture.json" || fail "not 
 echo "the plug is pulled in mid-sweep"
 stop_service
 unset BUILD_PROGRAM BUILD_OPTIONS
-configure 'min_frames = 3' 'lost_after_seconds = 5'
+configure 'min_frames = 3' 'lost_after_seconds = 8'
 start_service --camera v4l2:/dev/video0
 press
 await "$some_frames"
@@ -84,7 +84,7 @@ expect_running
 
 echo "plugged in again"
 while [ -e /dev/video0 ]; do sleep 0.1; done
-plug 8 4
+plug 3 4
 forget
 press
 await "$some_frames"

@@ -52,7 +52,12 @@ TEST(Config, TextThatIsNotTomlIsNamedWithItsLine) {
   EXPECT_EQ(checked.mistakes[0].line, 2);
 }
 
-TEST(Config, AMissingFileIsAMistake) { EXPECT_EQ(read_config("/nowhere/ldpd.toml").mistakes.size(), 1U); }
+TEST(Config, AMissingFileIsAMistakeAndSoIsAFolder) {
+  EXPECT_EQ(read_config("/nowhere/ldpd.toml").mistakes.size(), 1U);
+  EXPECT_EQ(read_config("/").mistakes.size(), 1U);
+}
+
+TEST(Config, AnEmptyFileLeavesEverythingAsItIs) { EXPECT_TRUE(read_config("/dev/null").mistakes.empty()); }
 
 }  // namespace
 }  // namespace ldp
