@@ -195,8 +195,13 @@ Poses to_world(const Reconstruction& found, const Chosen& chosen, const std::vec
   for (size_t i = 0; i < found.tracks.size(); ++i) {
     const InversePoint& point = bundle.points[i];
     ScenePoint scene{scale * turn * point.direction / std::max(point.inverse_distance, 1 / kFarthest), {}};
-    for (const Observation& o : found.tracks[i]) scene.cameras.push_back(camera[static_cast<size_t>(o.frame)]);
-    poses.points.push_back(scene);
+    std::vector<Eigen::Vector2d> sightings;
+    for (const Observation& o : found.tracks[i]) {
+      scene.cameras.push_back(camera[static_cast<size_t>(o.frame)]);
+      sightings.emplace_back(o.position_px + Eigen::Vector2d(k.cx, k.cy));
+    }
+    poses.points.push_back(std::move(scene));
+    poses.sightings.push_back(std::move(sightings));
   }
   return poses;
 }

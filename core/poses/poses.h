@@ -45,6 +45,7 @@ struct Poses {
   std::vector<Camera> cameras;       // posed frames only, in frame order, named after their frames
   std::vector<int> frame_of_camera;  // index in the FrameSource of each camera
   std::vector<ScenePoint> points;
+  std::vector<std::vector<Eigen::Vector2d>> sightings;  // of each point in its cameras, pixels
   PosesReport report;
 };
 

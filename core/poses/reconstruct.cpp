@@ -9,19 +9,28 @@
 
 #include "follow.h"
 #include "general.h"
+#include "guided.h"
 #include "motion.h"
 
 namespace ldp {
 namespace {
 
-constexpr int kLeastPosed = 3;             // frames
-constexpr int kLeastInliers = 12;          // observations that hold a frame in place
-constexpr double kMatched[] = {12, 5, 3};  // tolerances of the rounds on matches, pixels of 800
-constexpr double kFollowed[] = {4, 2};     // and on followed points
-constexpr double kNoArc = 1e3;             // sigma of the arc prior for paths that are none
-constexpr double kBetter = 1.2;            // by so much more must other motion explain to be preferred
-constexpr double kEnough = 0.75;           // share of the observations that must fit, else other motion is tried
-constexpr double kLossOfTolerance = 0.3;
+constexpr int kLeastPosed = 3;                       // frames
+constexpr int kLeastInliers = 12;                    // observations that hold a frame in place
+constexpr double kMatched[] = {12, 5, 3};            // tolerances of the rounds on matches, pixels of 800
+constexpr double kFollowed[] = {4, 2};               // and on followed points
+constexpr double kNearArc = 0.02, kAboutArc = 0.05;  // sigma of the arc prior at first and later: what walks by is told
+                                                     // from what stands as long as cameras are kept near their circle
+constexpr double kFarArc = 0.2;                      // for hands that leave it
+constexpr double kOverrules = 1.1;                   // by so much more must cameras off the circle explain
+constexpr double kNoArc = 1e3;                       // for paths that are none
+constexpr double kBetter = 1.2;                      // by so much more must other motion explain to be preferred
+constexpr double kEnough = 0.75;  // share of the observations that must fit, else other motion is tried
+constexpr double kLossOfTolerance = 0.3, kLargestLoss = 0.8;  // pixels of 800
+constexpr size_t kRich = 1000;  // observations per frame that make a second look for matches needless
+constexpr int kThin = 250;      // and those that do for the first rounds, the longest tracks first
+constexpr int kHeld = 150;      // followed observations that a frame is content with
+constexpr double kBends = 20;   // variances by which free distortion must lower the cost to be believed
 
 // Frames that hang together by matches, the largest such group; the others are dropped with a reason.
 std::vector<std::string> loose_frames(const MatchedSweep& sweep) {
@@ -76,14 +85,27 @@ class Rounds {
   }
 
   void set_model(Model model) { options_.model = model; }
-  void forget_the_arc() { options_.arc_sigma = kNoArc; }
+  void forget_the_arc() { least_sigma_ = kNoArc; }
+  void leave_the_arc() { least_sigma_ = kFarArc; }
 
   // Places what agrees and adjusts everything to it.
-  void round(const std::vector<Track>& tracks, double tolerance, bool distortion, Reconstruction& r) {
+  void round(const std::vector<Track>& tracks, double tolerance, double arc_sigma, Reconstruction& r) {
     place(tracks, tolerance, r);
-    options_.loss_px = sweep_.pixels(kLossOfTolerance * tolerance);
-    options_.refine_distortion = distortion;
-    adjust(r.bundle, options_, job_);
+    options_.loss_px = sweep_.pixels(std::min(kLossOfTolerance * tolerance, kLargestLoss));
+    options_.arc_sigma = std::max(arc_sigma, least_sigma_);
+
+    cost_ = adjust(r.bundle, options_, job_).cost;
+  }
+
+  // Whether the lens bends lines, by the observations of the last round: focal length and distortion can stand in for
+  // each other in a narrow view, so distortion is freed only where that explains clearly more.
+  void decide_distortion(Reconstruction& r) {
+    Bundle bent = r.bundle;
+    const double variance = 2 * cost_ / std::max(1.0, static_cast<double>(r.bundle.observations.size()));
+    options_.refine_distortion = true;
+    const BundleSummary summary = adjust(bent, options_, job_);
+    options_.refine_distortion = summary.usable && cost_ - summary.cost > kBends * variance;
+    if (options_.refine_distortion) r.bundle = std::move(bent);
   }
 
   void place(const std::vector<Track>& tracks, double tolerance, Reconstruction& r) {
@@ -94,6 +116,8 @@ class Rounds {
   const MatchedSweep& sweep_;
   const Job& job_;
   BundleOptions options_;
+  double least_sigma_ = 0;
+  double cost_ = 0;
 };
 
 // Frames that hardly anything holds are dropped, with what they see.
@@ -110,6 +134,38 @@ void drop_unheld(Reconstruction& r) {
 size_t observations(const std::vector<Track>& tracks) {
   return std::accumulate(tracks.begin(), tracks.end(), size_t{0},
                          [](size_t sum, const Track& t) { return sum + t.size(); });
+}
+
+// The reconstruction's tracks followed through all frames. Those that cannot be followed stay as matched where a frame
+// has little else.
+std::vector<Track> follow(const MatchedSweep& sweep, const Reconstruction& r, const Job& job) {
+  std::vector<Track> tracks = follow_points(sweep.pictures, r.tracks, r.bundle, FollowOptions{}, job);
+  std::vector<int> held(r.dropped.size(), 0);
+  for (const Track& track : tracks) {
+    for (const Observation& o : track) held[static_cast<size_t>(o.frame)] += track.size() > 1 ? 1 : 0;
+  }
+  for (size_t i = 0; i < tracks.size(); ++i) {
+    const auto poor = [&](const Observation& o) { return held[static_cast<size_t>(o.frame)] < kHeld; };
+    if (tracks[i].size() < 2 && std::any_of(r.tracks[i].begin(), r.tracks[i].end(), poor)) tracks[i] = r.tracks[i];
+  }
+  return tracks;
+}
+
+// Observations that agree with the cameras.
+double explained(const MatchedSweep& sweep, const std::vector<Track>& tracks, Reconstruction r, const Job& job) {
+  return static_cast<double>(observations(place_good(tracks, sweep.pixels(kMatched[2]), false, r.bundle, job)));
+}
+
+// Cameras near their circle, unless the data overrule it.
+void first_round(const MatchedSweep& sweep, const std::vector<Track>& tracks, Rounds& rounds, const Job& job,
+                 Reconstruction& result) {
+  const std::vector<Track> thin = longest_tracks(tracks, sweep.frames(), kThin);
+  Reconstruction off = result;
+  rounds.round(thin, kMatched[0], kNearArc, result);
+  rounds.round(thin, kMatched[0], kFarArc, off);
+  if (explained(sweep, tracks, off, job) < kOverrules * explained(sweep, tracks, result, job)) return;
+  result = std::move(off);
+  rounds.leave_the_arc();
 }
 
 // Where spherical motion leaves too much unexplained, general motion gets its chance; the one that explains more stays.
@@ -147,18 +203,25 @@ Reconstruction reconstruct(const MatchedSweep& sweep, const std::optional<FocalP
   job.report("adjusting", 0.7);
 
   Rounds rounds(sweep, focal, job);
-  rounds.round(tracks, kMatched[0], false, result);
+  const auto thin = [&] { return longest_tracks(tracks, sweep.frames(), kThin); };
+  first_round(sweep, tracks, rounds, job, result);
   try_general_motion(sweep, tracks, focal, rounds, job, result);
   if (only_turns(sweep, result.tracks, result.bundle, job)) {
     result.motion = Motion::rotation;
     rounds.set_model(Model::rotation);
   }
   tracks = connected(tracks, result.dropped);
-  for (const double tolerance : {kMatched[1], kMatched[2]}) rounds.round(tracks, tolerance, true, result);
+  rounds.round(thin(), kMatched[1], kAboutArc, result);
+  if (result.motion != Motion::rotation && observations(tracks) < kRich * static_cast<size_t>(posed(result.dropped))) {
+    const std::vector<PairMatches> pairs = match_guided(sweep, result.bundle, result.dropped, job);
+    tracks = connected(build_tracks(sweep.features, pairs), result.dropped);
+    rounds.round(thin(), kMatched[1], kAboutArc, result);
+  }
+  rounds.round(tracks, kMatched[2], kAboutArc, result);
+  rounds.decide_distortion(result);
   job.report("adjusting", 0.8);
   for (const double tolerance : kFollowed) {
-    rounds.round(follow_points(sweep.pictures, result.tracks, result.bundle, FollowOptions{}, job), tolerance, true,
-                 result);
+    rounds.round(follow(sweep, result, job), tolerance, kAboutArc, result);
     job.report("adjusting", 0.9);
   }
   drop_unheld(result);

@@ -143,15 +143,18 @@ Poses triangulate(const FrameSource& frames, const std::vector<Camera>& cameras,
     const auto point = triangulate_point_robustly(sightings, kTolerance * longer_side(k) / k.fx, used);
     if (!point) continue;
     ScenePoint scene{origin + point->direction / std::max(point->inverse_distance, 1 / largest), {}};
+    std::vector<Eigen::Vector2d> seen;
     for (size_t i = 0; i < track.size(); ++i) {
       if (!used[i]) continue;
       const size_t camera = static_cast<size_t>(track[i].frame);
       scene.cameras.push_back(track[i].frame);
+      seen.emplace_back(track[i].position_px + 0.5 * Eigen::Vector2d(k.width, k.height));
       ++poses.report.frames[static_cast<size_t>(known[camera].frame)].inliers;
       const double error_px = sighting_error(*point, sightings[i]) * known[camera].camera.intrinsics.fx;
       squared[camera] += error_px * error_px;
     }
     poses.points.push_back(std::move(scene));
+    poses.sightings.push_back(std::move(seen));
   }
   int inliers = 0;
   double sum = 0;
