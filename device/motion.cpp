@@ -10,7 +10,15 @@
 namespace ldp {
 namespace {
 
-using Detail = Plane<int16_t>;
+// With the sums of its squares over the rectangle from the corner to each pixel.
+struct Detail {
+  Plane<int16_t> values;
+  Plane<int64_t> squares;
+
+  int64_t energy(int left, int top, int right, int bottom) const {
+    return squares.at(right, bottom) - squares.at(left, bottom) - squares.at(right, top) + squares.at(left, top);
+  }
+};
 
 GreyImage halve(const GreyImage& image) {
   GreyImage half(image.width / 2, image.height / 2);
@@ -25,7 +33,7 @@ GreyImage halve(const GreyImage& image) {
 }
 
 // What is left of an image without its slow changes (vignetting, sky to ground): minus the mean of a window around.
-Detail detail_of(const GreyImage& image) {
+Plane<int16_t> without_slow_changes(const GreyImage& image) {
   constexpr int kReach = 4;
   Plane<int> sums(image.width + 1, image.height + 1, 0);
   for (int y = 0; y < image.height; ++y) {
@@ -33,7 +41,7 @@ Detail detail_of(const GreyImage& image) {
       sums.at(x + 1, y + 1) = image.at(x, y) + sums.at(x, y + 1) + sums.at(x + 1, y) - sums.at(x, y);
     }
   }
-  Detail detail(image.width, image.height);
+  Plane<int16_t> detail(image.width, image.height);
   for (int y = 0; y < image.height; ++y) {
     const int top = std::max(0, y - kReach), bottom = std::min(image.height, y + kReach + 1);
     for (int x = 0; x < image.width; ++x) {
@@ -45,26 +53,33 @@ Detail detail_of(const GreyImage& image) {
   return detail;
 }
 
+Detail detail_of(const GreyImage& image) {
+  Detail detail{without_slow_changes(image), Plane<int64_t>(image.width + 1, image.height + 1, 0)};
+  for (int y = 0; y < image.height; ++y) {
+    int64_t row = 0;
+    for (int x = 0; x < image.width; ++x) {
+      row += detail.values.at(x, y) * detail.values.at(x, y);
+      detail.squares.at(x + 1, y + 1) = detail.squares.at(x + 1, y) + row;
+    }
+  }
+  return detail;
+}
+
 // Correlation of first(x, y) with second(x + dx, y + dy) over their overlap.
 double correlation(const Detail& first, const Detail& second, int dx, int dy) {
-  const int left = std::max(0, -dx), right = std::min(first.width, second.width - dx);
-  const int top = std::max(0, -dy), bottom = std::min(first.height, second.height - dy);
+  const int left = std::max(0, -dx), right = std::min(first.values.width, second.values.width - dx);
+  const int top = std::max(0, -dy), bottom = std::min(first.values.height, second.values.height - dy);
   if (right - left < 8 || bottom - top < 8) return -1;
-  int64_t product = 0, square_first = 0, square_second = 0;
+  int64_t product = 0;
   for (int y = top; y < bottom; ++y) {
-    const int16_t* a = first.row(y);
-    const int16_t* b = second.row(y + dy) + dx;
-    int32_t row_product = 0, row_first = 0, row_second = 0;
-    for (int x = left; x < right; ++x) {
-      row_product += a[x] * b[x];
-      row_first += a[x] * a[x];
-      row_second += b[x] * b[x];
-    }
+    const int16_t* a = first.values.row(y);
+    const int16_t* b = second.values.row(y + dy) + dx;
+    int32_t row_product = 0;
+    for (int x = left; x < right; ++x) row_product += a[x] * b[x];
     product += row_product;
-    square_first += row_first;
-    square_second += row_second;
   }
-  const double energy = std::sqrt(static_cast<double>(square_first) * static_cast<double>(square_second));
+  const double energy = std::sqrt(static_cast<double>(first.energy(left, top, right, bottom)) *
+                                  static_cast<double>(second.energy(left + dx, top + dy, right + dx, bottom + dy)));
   // A constant keeps noise in flat pictures from looking like a match.
   const double floor = 4.0 * (right - left) * (bottom - top);
   return static_cast<double>(product) / (energy + floor);
@@ -100,8 +115,8 @@ Shift estimate_shift(const GreyImage& first, const GreyImage& second, double rea
   }
   const Detail fine_first = detail_of(first), fine_second = detail_of(second);
   const Detail coarse_first = detail_of(halve(first)), coarse_second = detail_of(halve(second));
-  const int across = static_cast<int>(coarse_first.width * std::min(reach, 0.75));
-  const int down = std::max(2, coarse_first.height / 5);
+  const int across = static_cast<int>(coarse_first.values.width * std::min(reach, 0.75));
+  const int down = std::max(2, coarse_first.values.height / 5);
   const Search coarse = best_in(coarse_first, coarse_second, {-across, across, -down, down});
   const Search fine =
       best_in(fine_first, fine_second, {2 * coarse.dx - 2, 2 * coarse.dx + 2, 2 * coarse.dy - 2, 2 * coarse.dy + 2});

@@ -2,13 +2,15 @@
 """A USB camera without hardware: speaks USB/IP to the kernel's vhci-hcd, so that the stock uvcvideo driver finds a
 UVC 1.0 camera that streams the JPEG files of a folder (MJPEG over a bulk endpoint), byte by byte.
 
-  usb_camera.py FOLDER [FPS [SECONDS_AT_FIRST_FRAME]]     until killed; killing it is pulling the plug
+  usb_camera.py FOLDER FPS SECONDS     until killed; killing it is pulling the plug
 
-The first frame is held for a while after streaming starts, as a person does; every other is sent three times, so that
-a slow machine may miss one; the last one is held for ever.
+The first picture is held for so many seconds after streaming starts, as a person does, then every frame is the next
+one; the last one is held for ever. With 0 seconds each is held until SIGUSR1 asks for the next: a sweep for machines
+of any speed.
 """
 import glob
 import select
+import signal
 import socket
 import struct
 import sys
@@ -18,7 +20,6 @@ CMD_SUBMIT, CMD_UNLINK, RET_SUBMIT, RET_UNLINK = 1, 2, 3, 4
 PAYLOAD = 16384  # of one bulk transfer, its 2-byte header included
 ECONNRESET = 104
 EPIPE = 32
-REPEATS = 3
 
 
 def jpeg_size(data):
@@ -41,8 +42,11 @@ class Camera:
         self.start = None          # when streaming was committed
         self.current, self.sent, self.frame_id = b"", 0, 0
         self.next_frame_at = 0.0
-        self.moves = 0             # frames sent since the first one was left
+        self.moves = 0             # pictures since the first one
         self.probe = self.probe_control()
+
+    def next_picture(self):
+        self.moves += 1
 
     # --- descriptors
 
@@ -112,8 +116,9 @@ class Camera:
             if now < self.next_frame_at:
                 return None
             self.next_frame_at = max(self.next_frame_at + 1 / self.fps, now)
-            self.moves += 1 if now - self.start >= self.first_seconds else 0
-            self.current = self.frames[min(self.moves // REPEATS, len(self.frames) - 1)]
+            if 0 < self.first_seconds <= now - self.start:
+                self.moves += 1
+            self.current = self.frames[min(self.moves, len(self.frames) - 1)]
             self.sent = 0
             self.frame_id ^= 1
         part = self.current[self.sent:self.sent + PAYLOAD - 2]
@@ -176,10 +181,10 @@ class Wire:
 
 def main():
     folder = sys.argv[1]
-    fps = float(sys.argv[2]) if len(sys.argv) > 2 else 10
-    first_seconds = float(sys.argv[3]) if len(sys.argv) > 3 else 2
+    fps, first_seconds = float(sys.argv[2]), float(sys.argv[3])
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
     camera = Camera(folder, fps, first_seconds)
+    signal.signal(signal.SIGUSR1, lambda *_: camera.next_picture())
     high_speed, port, device = 3, 0, 0x10002
     with open("/sys/devices/platform/vhci_hcd.0/attach", "w") as attach:
         attach.write(f"{port} {theirs.fileno()} {device} {high_speed}")

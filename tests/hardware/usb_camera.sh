@@ -50,16 +50,18 @@ CHECK
 make_button
 BUILD_PROGRAM=$(command -v ldp)
 BUILD_OPTIONS=$(printf '"%s",' "$@")
-configure 'min_frames = 3' 'lost_after_seconds = 8' 'overlap = 0.95' 'max_seconds = 300'  # every frame of the camera is kept
-plug 3 4
+configure 'min_frames = 3' 'lost_after_seconds = 8' 'overlap = 0.95' 'max_seconds = 900'  # every frame of the camera is kept
+plug 4 0
 start_service --camera v4l2:/dev/video0
 
 echo "the frames of a sweep arrive byte by byte"
 count=$(frames_in "$frames")
 press
 await "capturing: turn"
-await "sweep: \($((count - 1))\|$count\) frames" 120
-sleep 2
+for picture in $(seq "$count"); do
+  await "sweep: $picture frames" 240
+  kill -USR1 "$camera"
+done
 release
 await "sweep_000001.ldp is ready" 400
 expect_capture "$out/sweep_000001" "$count"
@@ -72,6 +74,9 @@ echo "the plug is pulled in mid-sweep"
 stop_service
 unset BUILD_PROGRAM BUILD_OPTIONS
 configure 'min_frames = 3' 'lost_after_seconds = 8'
+kill -9 "$camera"
+while [ -e /dev/video0 ]; do sleep 0.1; done
+plug 2 4
 start_service --camera v4l2:/dev/video0
 press
 await "$some_frames"
@@ -84,7 +89,7 @@ expect_running
 
 echo "plugged in again"
 while [ -e /dev/video0 ]; do sleep 0.1; done
-plug 3 4
+plug 2 4
 forget
 press
 await "$some_frames"
