@@ -427,6 +427,7 @@ TEST_F(LdpdTest, ABuildKilledAtAnyMomentIsAFailureAndTheServiceGoesOn) {
     fs::remove(room_ / "said");
     Process service(command({}), room_ / "said");
     const fs::path pid_file = capture().string() + ".pid";
+    ASSERT_TRUE(service.says("building sweep_000001")) << text_of(room_ / "said");
     while (text_of(pid_file).find('\n') == std::string::npos) std::this_thread::sleep_for(milliseconds(2));
     const int stored = frames_in(capture());
     std::this_thread::sleep_for(std::chrono::microseconds(random() % 280'000));
@@ -443,7 +444,7 @@ TEST_F(LdpdTest, ABuildKilledAtAnyMomentIsAFailureAndTheServiceGoesOn) {
     EXPECT_TRUE(again.says("sweep_000001.ldp is ready")) << "the next start does not try again";
     again.stop(SIGTERM);
     expect_whole(true);
-    script("press wait 400 release");
+    script("press wait 700 release");
   }
 }
 
