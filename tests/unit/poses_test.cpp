@@ -10,6 +10,7 @@
 
 #include "bundle.h"
 #include "follow.h"
+#include "guided.h"
 #include "matches.h"
 #include "picture.h"
 #include "points.h"
@@ -74,6 +75,36 @@ TEST(MatchFeatures, APointWithATwinMatchesNothing) {
   std::mt19937 random(2);
   const std::vector<int16_t> one = random_descriptor(random), other = random_descriptor(random);
   EXPECT_TRUE(match_features(features_of({one}), features_of({one, one, other}), MatchOptions{}).empty());
+}
+
+// Pairs of points that look the same but stand at different heights, as repeated things do.
+TEST(MatchGuided, TellsTwinsApartByTheirLinesOfSight) {
+  std::mt19937 random(4);
+  Bundle bundle;
+  bundle.lens.focal_px = 500;
+  bundle.cameras = {{Eigen::Matrix3d::Identity(), {0, 0, 1}}, {turn(0, 15, 0), turn(0, 15, 0).col(2)}};
+  MatchedSweep sweep;
+  sweep.features.resize(2, Features{800, 600, {}, {}, {}});
+  for (int i = 0; i < 40; ++i) {
+    const std::vector<int16_t> look = random_descriptor(random);
+    for (const double height : {-0.25, 0.25}) {
+      const double depth = uniform(random, 2, 30);
+      const Eigen::Vector3d x = depth * Eigen::Vector3d(uniform(random, -0.2, 0.4), height, 1);
+      for (size_t frame = 0; frame < 2; ++frame) {
+        Features& f = sweep.features[frame];
+        const Projection p = project_point(bundle.cameras[frame], bundle.lens, {x.normalized(), 1 / x.norm()});
+        f.positions.emplace_back(p.position_px + Eigen::Vector2d(400, 300));
+        f.sizes.push_back(1);
+        f.descriptors.insert(f.descriptors.end(), look.begin(), look.end());
+      }
+    }
+  }
+  EXPECT_TRUE(match_features(sweep.features[0], sweep.features[1], MatchOptions{}).empty());
+  const std::vector<PairMatches> pairs = match_guided(sweep, bundle, {"", ""}, Job{});
+  ASSERT_EQ(pairs.size(), 1U);
+  EXPECT_EQ(pairs[0].matches.size(), 80U);
+  for (const Match& m : pairs[0].matches) EXPECT_EQ(m.a, m.b);
+  EXPECT_TRUE(match_guided(sweep, bundle, {"", "dropped"}, Job{}).empty());
 }
 
 TEST(BuildTracks, JoinsMatchesAndLeavesOutContradictions) {
@@ -307,9 +338,11 @@ TEST(EstimatePoses, WorldIsUprightAndOfArmsLength) {
 }
 
 TEST(EstimatePoses, GivesTheSameBytesAtAnyThreadCount) {
-  Job job;
-  job.threads = 3;
-  EXPECT_TRUE(same_bytes(estimated(), estimate_poses(Photos(rendered(0.65).images), PosesOptions{}, job)));
+  for (const int threads : {1, 2, 4}) {
+    Job job;
+    job.threads = threads;
+    EXPECT_TRUE(same_bytes(estimated(), estimate_poses(Photos(rendered(0.65).images), PosesOptions{}, job))) << threads;
+  }
 }
 
 TEST(PoseEstimator, GivesTheSameBytesAsAllFramesAtOnce) {
