@@ -8,6 +8,7 @@
 #include "crc32c.h"
 #include "ldp_file.h"
 #include "range_coder.h"
+#include "sealed_file.h"
 #include "synthetic_panorama.h"
 
 namespace ldp {
@@ -46,23 +47,6 @@ void expect_same(const LayeredPanorama& a, const LayeredPanorama& b) {
     EXPECT_EQ(a.cameras[i].intrinsics.k2, b.cameras[i].intrinsics.k2);
     EXPECT_EQ(a.cameras[i].pose.centre, b.cameras[i].pose.centre);
   }
-}
-
-// The file with its checksums made right again, as a careful forger would.
-void seal(std::vector<uint8_t>& file) {
-  const auto u32 = [&](size_t at) {
-    return uint32_t{file[at]} | uint32_t{file[at + 1]} << 8 | uint32_t{file[at + 2]} << 16 |
-           uint32_t{file[at + 3]} << 24;
-  };
-  const auto put = [&](size_t at, uint32_t value) {
-    for (size_t i = 0; i < 4; ++i) file[at + i] = static_cast<uint8_t>(value >> (8 * i));
-  };
-  const std::span<const uint8_t> all(file);
-  const size_t count = u32(12);
-  for (size_t i = 0; i < count; ++i)
-    put(32 + 32 * i + 24, crc32c(all.subspan(u32(32 + 32 * i + 8), u32(32 + 32 * i + 16))));
-  put(24, crc32c(all.subspan(32, 32 * count)));
-  put(28, crc32c(all.first(28)));
 }
 
 TEST(Crc32c, KnownAnswers) {
