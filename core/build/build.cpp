@@ -167,9 +167,7 @@ class Build {
   }
 
   Plane<uint8_t> solve(const CostSource& costs, const Plane<uint8_t>& mask, const std::string& name) {
-    SolveOptions solve_options;
-    solve_options.memory_bytes = size_t{64} << 20;
-    Labelling labelling = solve_depth(costs, mask, solve_options, job_);
+    Labelling labelling = solve_depth(costs, mask, {}, job_);
     report_.solves.push_back({"depth " + name, labelling.report});
     pictures_.labels("labels " + name, labelling.labels, options_.labels - 1);
     watch_.lap("solve");

@@ -44,32 +44,42 @@ int step_of(const SolveOptions& options, int units) {
 
 }  // namespace
 
-void DepthSource::load(const Window& window, LabelGrid& grid) const {
-  grid.resize(window.width, window.height, false);
-  const auto labels = static_cast<size_t>(costs_.labels());
-  const auto n = static_cast<size_t>(grid.size());
-  std::vector<uint8_t> cost(n * labels), grey(n * labels);
-  costs_.read(window, cost.data(), grey.data());
-  for (size_t p = 0; p < n; ++p)
-    for (size_t l = 0; l < kSlots; ++l) {
-      grid.cost[p * kSlots + l] = l < labels ? static_cast<uint16_t>(cost[p * labels + l] * units_) : kForbidden;
-      grid.grey[p * kSlots + l] = l < labels ? grey[p * labels + l] : grey[p * labels + labels - 1];
-    }
-  for (int x = 0; x < window.width; ++x)
-    for (int y = 0; y < window.height; ++y) load_edges(window, x, y, grid);
-  grid.find_grey_ranges();
+// The rows between the first and the last pixel that is part of the problem.
+Window DepthSource::solved_part(const Window& window) const {
+  int first = window.y + window.height, last = window.y - 1;
+  for (int x = 0; x < window.width; ++x) {
+    const int column = (window.x + x) % costs_.width();
+    int top = window.y, bottom = window.y + window.height - 1;
+    while (top < first && !solved(column, top)) ++top;
+    while (bottom > last && !solved(column, bottom)) --bottom;
+    first = std::min(first, top);
+    last = std::max(last, bottom);
+  }
+  return {window.x, first, window.width, std::max(0, last - first + 1)};
 }
 
-void DepthSource::load_edges(const Window& window, int x, int y, LabelGrid& grid) const {
-  const int w = costs_.width();
-  const int gx = (window.x + x) % w, gy = window.y + y, next_x = (gx + 1) % w;
-  const auto p = static_cast<size_t>(x * window.height + y);
-  if (!solved(gx, gy)) {
-    std::fill_n(grid.cost.begin() + static_cast<ptrdiff_t>(p) * kSlots, kSlots, uint16_t{0});
-    return;
-  }
-  if (y + 1 < window.height && solved(gx, gy + 1)) grid.down[p] = factors_ ? factors_->down.at(gx, gy) : uint8_t{1};
-  if (x + 1 < window.width && solved(next_x, gy)) grid.right[p] = factors_ ? factors_->right.at(gx, gy) : uint8_t{1};
+void DepthSource::load(const Window& window, PixelTerms& terms) const {
+  terms.resize(window.width, window.height, false);
+  std::fill(terms.cost.begin(), terms.cost.end(), uint16_t{0});
+  std::fill(terms.grey.begin(), terms.grey.end(), uint8_t{0});
+  std::fill(terms.solved.begin(), terms.solved.end(), uint8_t{0});
+  const Window part = solved_part(window);
+  if (part.height == 0) return terms.find_grey_ranges();
+  const auto labels = static_cast<size_t>(costs_.labels());
+  std::vector<uint8_t> cost(static_cast<size_t>(part.width * part.height) * labels), grey(cost.size());
+  costs_.read(part, cost.data(), grey.data());
+  for (int x = 0; x < part.width; ++x)
+    for (int y = 0; y < part.height; ++y) {
+      if (!solved((part.x + x) % costs_.width(), part.y + y)) continue;
+      const auto p = static_cast<size_t>(x * window.height + part.y - window.y + y);
+      const size_t from = static_cast<size_t>(x * part.height + y) * labels;
+      terms.solved[p] = 1;
+      for (size_t l = 0; l < kSlots; ++l) {
+        terms.cost[p * kSlots + l] = l < labels ? static_cast<uint16_t>(cost[from + l] * units_) : kForbidden;
+        terms.grey[p * kSlots + l] = grey[from + std::min(l, labels - 1)];
+      }
+    }
+  terms.find_grey_ranges();
 }
 
 DepthProblem::DepthProblem(const CostSource& costs, const Plane<uint8_t>& mask, const SolveOptions& options)

@@ -17,11 +17,14 @@ class DepthSource final : public GridSource {
   int slots() const override { return costs_.labels(); }
   bool has_positions() const override { return false; }
 
-  void load(const Window& window, LabelGrid& grid) const override;
+  int edge_factor(int x, int y, bool down) const override {
+    return factors_ ? (down ? factors_->down : factors_->right).at(x, y) : 1;
+  }
+  void load(const Window& window, PixelTerms& terms) const override;
 
  private:
   bool solved(int x, int y) const { return mask_.empty() || mask_.at(x, y) != 0; }
-  void load_edges(const Window& window, int x, int y, LabelGrid& grid) const;
+  Window solved_part(const Window& window) const;
 
   const CostSource& costs_;
   const Plane<uint8_t>& mask_;

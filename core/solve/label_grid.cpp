@@ -4,14 +4,57 @@
 
 namespace ldp {
 
-void LabelGrid::resize(int new_width, int new_height, bool with_positions) {
+namespace {
+
+template <typename T>
+void copy_pixels(const std::vector<T>& from, size_t first, size_t count, std::vector<T>& to, size_t at, size_t each) {
+  std::copy_n(from.begin() + static_cast<ptrdiff_t>(first * each), count * each,
+              to.begin() + static_cast<ptrdiff_t>(at * each));
+}
+
+}  // namespace
+
+void PixelTerms::resize(int new_width, int new_height, bool with_positions) {
   width = new_width;
   height = new_height;
   const auto n = static_cast<size_t>(width) * static_cast<size_t>(height);
   cost.resize(n * kSlots);
+  floor.resize(with_positions ? n : 0);
   grey.resize(n * kSlots);
   position.resize(with_positions ? n * kSlots : 0);
   grey_range.resize(n * 2);
+  solved.resize(n);
+}
+
+size_t PixelTerms::bytes() const {
+  return (cost.capacity() + floor.capacity()) * sizeof(uint16_t) + grey.capacity() + grey_range.capacity() +
+         position.capacity() + solved.capacity();
+}
+
+void PixelTerms::find_grey_ranges() {
+  for (int p = 0; p < size(); ++p) {
+    const auto [least, largest] = std::minmax_element(greys(p), greys(p) + kSlots);
+    grey_range[static_cast<size_t>(p) * 2] = *least;
+    grey_range[static_cast<size_t>(p) * 2 + 1] = *largest;
+  }
+}
+
+void PixelTerms::take_columns(const PixelTerms& other, int from, int count, int to) {
+  const auto first = static_cast<size_t>(from) * static_cast<size_t>(height),
+             pixels = static_cast<size_t>(count) * static_cast<size_t>(height),
+             at = static_cast<size_t>(to) * static_cast<size_t>(height);
+  copy_pixels(other.cost, first, pixels, cost, at, kSlots);
+  copy_pixels(other.grey, first, pixels, grey, at, kSlots);
+  copy_pixels(other.grey_range, first, pixels, grey_range, at, 2);
+  copy_pixels(other.solved, first, pixels, solved, at, 1);
+  if (position.empty()) return;
+  copy_pixels(other.position, first, pixels, position, at, kSlots);
+  copy_pixels(other.floor, first, pixels, floor, at, 1);
+}
+
+void LabelGrid::resize(int new_width, int new_height, bool with_positions) {
+  PixelTerms::resize(new_width, new_height, with_positions);
+  const auto n = static_cast<size_t>(size());
   message.assign(n * kSlots * 4, 0);
   down.assign(n, 0);
   right.assign(n, 0);
@@ -20,16 +63,8 @@ void LabelGrid::resize(int new_width, int new_height, bool with_positions) {
 }
 
 size_t LabelGrid::bytes() const {
-  return cost.capacity() * sizeof(uint16_t) + grey.capacity() + grey_range.capacity() + position.capacity() +
-         message.capacity() + down.capacity() + right.capacity() + label.capacity() + fresh.capacity();
-}
-
-void LabelGrid::find_grey_ranges() {
-  for (int p = 0; p < size(); ++p) {
-    const auto [least, largest] = std::minmax_element(greys(p), greys(p) + kSlots);
-    grey_range[static_cast<size_t>(p) * 2] = *least;
-    grey_range[static_cast<size_t>(p) * 2 + 1] = *largest;
-  }
+  return PixelTerms::bytes() + message.capacity() + down.capacity() + right.capacity() + label.capacity() +
+         fresh.capacity();
 }
 
 KernelGrid LabelGrid::kernel_grid(const Smoothness& smoothness) {
@@ -105,6 +140,33 @@ Energy energy_of(const LabelGrid& grid, const Smoothness& smoothness) {
     }
   }
   return energy;
+}
+
+Energy& Energy::operator+=(const Energy& other) {
+  data += other.data;
+  smoothness += other.smoothness;
+  return *this;
+}
+
+Energy& Energy::operator-=(const Energy& other) {
+  data -= other.data;
+  smoothness -= other.smoothness;
+  return *this;
+}
+
+void set_edges(const GridSource& source, const Window& window, LabelGrid& grid) {
+  for (int x = 0; x < window.width; ++x) {
+    const int column = (window.x + x) % source.width();
+    for (int y = 0; y < window.height; ++y) {
+      const auto p = static_cast<size_t>(x * window.height + y);
+      const auto factor = [&](size_t other, bool down) {
+        if (!grid.solved[p] || !grid.solved[other]) return uint8_t{0};
+        return static_cast<uint8_t>(source.edge_factor(column, window.y + y, down));
+      };
+      grid.down[p] = y + 1 < window.height ? factor(p + 1, true) : uint8_t{0};
+      grid.right[p] = x + 1 < window.width ? factor(p + static_cast<size_t>(window.height), false) : uint8_t{0};
+    }
+  }
 }
 
 }  // namespace ldp

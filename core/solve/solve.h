@@ -6,7 +6,7 @@
 // both labels. For colour phi is the angle between the pixel's ray and the camera's ray, labels are source frames, and
 // g is the depth label of the pixel (fixed). Energies are sums of integers, in steps fine enough that lambda times
 // truncation is about 255 of them; energy never rises between steps, and the bytes are the same at any thread count.
-// Does not read images and keeps no volume: it pulls windows from the source as often as it needs them.
+// Does not read images and keeps no volume: it pulls columns from the source once a pass, from left to right.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +32,6 @@ struct SolveOptions {
   int core_px = 128, margin_px = 16;  // windows: core_px plus margin_px on each side
   int iterations = 8;                 // of message passing in each window, at each of four resolutions
   int passes = 0;  // over all windows, every second one shifted by half a window; 0 = 2 for small grids, else 1
-  size_t memory_bytes = 0;               // for costs kept, 2 labels() bytes a pixel keep all; else read about 3.5 times
   const EdgeFactors* factors = nullptr;  // nullptr: every factor is 1
 };
 
@@ -40,7 +39,7 @@ struct SolveReport {
   double data_energy = 0, smoothness_energy = 0;  // of the result; depth: in grey levels, colour: in degrees
   double initial_energy = 0;                      // of the cheapest label of every pixel
   int passes = 0;
-  size_t peak_bytes = 0;  // scratch and kept costs, all threads
+  size_t peak_bytes = 0;  // of all threads
 };
 
 struct Labelling {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <vector>
+#include <utility>
 
 #include "label_grid.h"
 #include "smoothness.h"
@@ -13,6 +13,7 @@ namespace ldp {
 namespace {
 
 constexpr int kAnglesPerDegree = 64;
+constexpr uint8_t kNoFrame = 255;
 constexpr int kSixteenths = 16;  // energy units are given in sixteenths per cost step
 
 // A frame's slot is its index modulo 16.
@@ -25,66 +26,44 @@ class ColourSource final : public GridSource {
   int slots() const override { return std::min(costs_.frames(), kSlots); }
   bool has_positions() const override { return true; }
 
-  void load(const Window& window, LabelGrid& grid) const override {
-    grid.resize(window.width, window.height, true);
-    for (int x = 0; x < window.width; ++x) {
-      const int gx = (window.x + x) % costs_.width();
-      for (int y = 0; y < window.height; ++y) load_pixel(gx, window.y + y, x * window.height + y, grid);
-    }
-    const auto solved = [&](int p) { return grid.costs(p)[kSlots - 1] != kAbsent; };
-    for (int p = 0; p < grid.size(); ++p) {
-      if (!solved(p)) continue;
-      if ((p + 1) % window.height != 0) grid.down[static_cast<size_t>(p)] = solved(p + 1);
-      if (p + window.height < grid.size()) grid.right[static_cast<size_t>(p)] = solved(p + window.height);
-    }
-    for (uint16_t& cost : grid.cost)
-      if (cost == kAbsent) cost = 0;
-    grid.find_grey_ranges();
-  }
+  int edge_factor(int, int, bool) const override { return 1; }
 
-  struct Choice {
-    uint8_t frame = 255;  // 255 for a pixel without candidates
-    int angle = 0, least_angle = 0;
-  };
-
-  // The frame of a slot.
-  Choice choice(int x, int y, int slot) const {
-    uint8_t frame[kSlots];
-    uint16_t angle[kSlots];
-    const int count = costs_.present(x, y) ? costs_.candidates(x, y, frame, angle) : 0;
-    if (count == 0) return {};
-    Choice best{255, 1 << 30, *std::min_element(angle, angle + count)};
-    for (int i = 0; i < count; ++i)
-      if (frame[i] % kSlots == slot && angle[i] < best.angle) {
-        best.frame = frame[i];
-        best.angle = angle[i];
-      }
-    return best;
+  void load(const Window& window, PixelTerms& terms) const override {
+    terms.resize(window.width, window.height, true);
+    for (int x = 0; x < window.width; ++x)
+      for (int y = 0; y < window.height; ++y)
+        load_pixel((window.x + x) % costs_.width(), window.y + y, x * window.height + y, terms);
+    terms.find_grey_ranges();
   }
 
  private:
-  static constexpr uint16_t kAbsent = 0xFFFF;  // marks pixels outside the problem while a window is loaded
-  static constexpr int kCeiling = 4096;        // above the pixel's least cost; no such slot is in a best labelling
+  static constexpr int kCeiling = 4096;  // above the pixel's least cost; no such slot is in a best labelling
 
-  void load_pixel(int gx, int gy, int p, LabelGrid& grid) const {
+  void load_pixel(int gx, int gy, int p, PixelTerms& terms) const {
     uint8_t frame[kSlots];
     uint16_t angle[kSlots];
-    uint16_t* cost = grid.cost.data() + static_cast<ptrdiff_t>(p) * kSlots;
-    uint8_t* position = grid.position.data() + static_cast<ptrdiff_t>(p) * kSlots;
+    const auto pixel = static_cast<size_t>(p);
+    uint16_t* cost = terms.cost.data() + pixel * kSlots;
+    uint8_t* position = terms.position.data() + pixel * kSlots;
     const int count = costs_.present(gx, gy) ? costs_.candidates(gx, gy, frame, angle) : 0;
-    std::fill_n(grid.grey.begin() + static_cast<ptrdiff_t>(p) * kSlots, kSlots, costs_.depth_label(gx, gy));
-    for (int slot = 0; slot < kSlots; ++slot) position[slot] = static_cast<uint8_t>(slot);
-    std::fill_n(cost, kSlots, count > 0 ? kForbidden : kAbsent);
+    std::fill_n(terms.grey.begin() + static_cast<ptrdiff_t>(pixel * kSlots), kSlots, costs_.depth_label(gx, gy));
+    std::fill_n(cost, kSlots, count > 0 ? kForbidden : uint16_t{0});
+    std::fill_n(position, kSlots, kNoFrame);
+    terms.solved[pixel] = count > 0;
+    terms.floor[pixel] = 0;
     if (count == 0) return;
+    for (int slot = 0; slot < kSlots; ++slot) position[slot] = static_cast<uint8_t>(slot);
     const int least = *std::min_element(angle, angle + count);
+    terms.floor[pixel] = static_cast<uint16_t>(in_units(least));
     for (int i = 0; i < count; ++i) {
       const int slot = frame[i] % kSlots;
-      const int above = std::min(((angle[i] - least) * units_ + kSixteenths / 2) / kSixteenths, kCeiling);
+      const int above = std::min(in_units(angle[i] - least), kCeiling);
       if (above >= cost[slot]) continue;
       cost[slot] = static_cast<uint16_t>(above);
       position[slot] = frame[i];
     }
   }
+  int in_units(int angle) const { return (angle * units_ + kSixteenths / 2) / kSixteenths; }
 
   const ColourCosts& costs_;
   int units_;
@@ -97,10 +76,6 @@ int units_in_sixteenths(const ColourSolveOptions& options) {
   return std::clamp(static_cast<int>(kWidestPair * kSixteenths / widest), 1, 256);
 }
 
-struct Angles {  // sums over pixels, in 1/kAnglesPerDegree
-  int64_t taken = 0, least = 0;
-};
-
 }  // namespace
 
 Labelling solve_colour(const ColourCosts& costs, const ColourSolveOptions& options, const Job& job) {
@@ -110,27 +85,14 @@ Labelling solve_colour(const ColourCosts& costs, const ColourSolveOptions& optio
   const int step = std::max(1, static_cast<int>(std::lround(options.lambda * kAnglesPerDegree * units / kSixteenths)));
   const Smoothness smoothness(step, options.contrast, options.truncation);
   const ColourSource source(costs, units);
-  const WindowSolve solve =
+  WindowSolve solve =
       solve_windows(source, smoothness, {options.core_px, options.margin_px, options.iterations, options.passes}, job);
-  Labelling result;
-  result.labels = Plane<uint8_t>(costs.width(), costs.height());
-  std::vector<Angles> sums(static_cast<size_t>(costs.height()));
-  parallel_for(job, costs.height(), [&](int y) {
-    Angles& sum = sums[static_cast<size_t>(y)];
-    for (int x = 0; x < costs.width(); ++x) {
-      const auto choice = source.choice(x, y, solve.slots.at(x, y));
-      result.labels.at(x, y) = choice.frame;
-      sum.taken += choice.angle;
-      sum.least += choice.least_angle;
-    }
-  });
-  Angles angles;
-  for (const Angles& sum : sums) angles = {angles.taken + sum.taken, angles.least + sum.least};
   const double degrees = static_cast<double>(kSixteenths) / (units * kAnglesPerDegree);
-  result.report.data_energy = static_cast<double>(angles.taken) / kAnglesPerDegree;
+  Labelling result;
+  result.labels = std::move(solve.positions);
+  result.report.data_energy = static_cast<double>(solve.final.data) * degrees;
   result.report.smoothness_energy = static_cast<double>(solve.final.smoothness) * degrees;
-  result.report.initial_energy =
-      static_cast<double>(solve.initial.total()) * degrees + static_cast<double>(angles.least) / kAnglesPerDegree;
+  result.report.initial_energy = static_cast<double>(solve.initial.total()) * degrees;
   result.report.passes = solve.passes;
   result.report.peak_bytes = solve.peak_bytes;
   return result;

@@ -1,5 +1,4 @@
 #include "depth_problem.h"
-#include "kept_costs.h"
 #include "solve.h"
 #include "windows.h"
 
@@ -7,8 +6,7 @@ namespace ldp {
 
 Labelling solve_depth(const CostSource& costs, const Plane<uint8_t>& mask, const SolveOptions& options,
                       const Job& job) {
-  const KeptCosts kept(costs, options.memory_bytes, job);
-  const DepthProblem problem(kept, mask, options);
+  const DepthProblem problem(costs, mask, options);
   WindowSolve solve = solve_windows(problem.source(), problem.smoothness(),
                                     {options.core_px, options.margin_px, options.iterations, options.passes}, job);
   const double grey_levels = problem.grey_levels_per_unit();
@@ -18,7 +16,7 @@ Labelling solve_depth(const CostSource& costs, const Plane<uint8_t>& mask, const
   result.report.smoothness_energy = static_cast<double>(solve.final.smoothness) * grey_levels;
   result.report.initial_energy = static_cast<double>(solve.initial.total()) * grey_levels;
   result.report.passes = solve.passes;
-  result.report.peak_bytes = solve.peak_bytes + kept.bytes();
+  result.report.peak_bytes = solve.peak_bytes;
   return result;
 }
 

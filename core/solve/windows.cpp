@@ -2,19 +2,20 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <memory>
 #include <mutex>
 #include <vector>
 
+#include "cuts.h"
 #include "expansion.h"
+#include "strip.h"
 
 namespace ldp {
 
 namespace {
 
-constexpr int kStripColumns = 32;
 constexpr int kCoarseLevels = 3;
+constexpr int kColumnsAtOnce = 32;
 constexpr int kMaxCycles = 20;  // of expansion over all slots; mostly 3 or 4 are enough
 constexpr int kSmall = 300000;  // pixels; below, one unlucky window shows, and a second, shifted pass costs little
 
@@ -56,48 +57,6 @@ class ScratchPool {
   std::vector<std::unique_ptr<Scratch>> free_;
 };
 
-// Intervals that cut a length into parts of about core_px, each widened by the margin; `shift` moves the cuts by half
-// a part. Group g holds every interval i with group[i] == g; intervals of a group are at least 2 pixels apart.
-struct Cuts {
-  struct Interval {
-    int begin, size, group;
-  };
-  std::vector<Interval> intervals;
-  int groups = 0;
-};
-
-Cuts cut_line(int length, int core_px, int margin_px, bool shift) {
-  Cuts cuts;
-  const int parts = std::max(1, (length + core_px / 2) / core_px) + (shift ? 1 : 0);
-  for (int i = 0; i < parts; ++i) {
-    const auto edge = [&](int k) {
-      const double position = shift ? k - 0.5 : k;
-      const int cells = shift ? parts - 1 : parts;
-      return std::clamp(static_cast<int>(position * length / cells), 0, length);
-    };
-    const int begin = std::max(0, edge(i) - margin_px), end = std::min(length, edge(i + 1) + margin_px);
-    if (end > begin) cuts.intervals.push_back({begin, end - begin, i % 2});
-  }
-  cuts.groups = std::min<int>(2, parts);
-  return cuts;
-}
-
-Cuts cut_ring(int length, int core_px, int margin_px, bool shift) {
-  Cuts cuts;
-  const int parts = std::max(2, (length + core_px / 2) / core_px);
-  for (int i = 0; i < parts; ++i) {
-    const int64_t half = shift ? length / (2 * parts) : 0;
-    const int begin = static_cast<int>(static_cast<int64_t>(i) * length / parts + half) - margin_px;
-    const int end = static_cast<int>((static_cast<int64_t>(i) + 1) * length / parts + half) + margin_px;
-    const int group = parts % 2 == 1 && i == parts - 1 ? 2 : i % 2;
-    cuts.intervals.push_back({((begin % length) + length) % length, std::min(end - begin, length - 1), group});
-  }
-  cuts.groups = parts % 2 == 1 ? 3 : 2;
-  return cuts;
-}
-
-int wrapped(int x, int width) { return x >= width ? x - width : x; }
-
 // A window loaded with a ring of fixed pixels around it, where the grid goes on.
 struct FramedWindow {
   Window inner, outer;
@@ -119,13 +78,6 @@ struct FramedWindow {
 
   int left_ring = 0, top_ring = 0;
 };
-
-void load_labels(const Window& window, const Plane<uint8_t>& slots, LabelGrid& grid) {
-  for (int x = 0; x < window.width; ++x)
-    for (int y = 0; y < window.height; ++y)
-      grid.label[static_cast<size_t>(x * window.height + y)] =
-          slots.at(wrapped(window.x + x, slots.width), window.y + y);
-}
 
 // Turns edges to the fixed pixels of the ring into unary costs and removes them; the ring itself has nothing to choose.
 void fold_ring(const FramedWindow& window, const Smoothness& smoothness, LabelGrid& grid) {
@@ -151,6 +103,10 @@ void fold_ring(const FramedWindow& window, const Smoothness& smoothness, LabelGr
     }
 }
 
+uint8_t cheapest_slot(const PixelTerms& terms, int p) {
+  return static_cast<uint8_t>(std::min_element(terms.costs(p), terms.costs(p) + kSlots) - terms.costs(p));
+}
+
 // Everything that the solve of one problem shares between its windows.
 class WindowSolver {
  public:
@@ -159,90 +115,179 @@ class WindowSolver {
         smoothness_(smoothness),
         options_(options),
         job_(job),
-        slots_(source.width(), source.height()) {}
-
-  // Labels of least cost, or the energy of the labels given, or both, strip by strip.
-  Energy scan(bool choose) {
-    const int strips = (source_.width() + kStripColumns - 1) / kStripColumns;
-    std::vector<Energy> energies(static_cast<size_t>(strips));
-    parallel_for(job_, strips, [&](int i) { energies[static_cast<size_t>(i)] = scan_strip(i, choose); });
-    Energy sum;
-    for (const Energy& energy : energies) {
-      sum.data += energy.data;
-      sum.smoothness += energy.smoothness;
-    }
-    return sum;
+        strip_(source, smoothness),
+        started_(static_cast<size_t>(source.width())) {
+    result_.slots = Plane<uint8_t>(source.width(), source.height());
+    if (source.has_positions()) result_.positions = Plane<uint8_t>(source.width(), source.height());
   }
 
+  // Solves every window once. True if labels changed.
   bool pass(bool shift) {
     const int core_px = options_.core_px, margin_px = options_.margin_px;
-    const Cuts columns = source_.wraps() ? cut_ring(source_.width(), core_px, margin_px, shift)
+    const auto columns = source_.wraps() ? cut_ring(source_.width(), core_px, margin_px, shift)
                                          : cut_line(source_.width(), core_px, margin_px, shift);
-    const Cuts rows = cut_line(source_.height(), core_px, margin_px, shift);
-    std::atomic<bool> changed = false;
-    for (int colour = 0; colour < columns.groups * rows.groups; ++colour) {
-      std::vector<Window> windows;
-      for (const auto& column : columns.intervals)
-        for (const auto& row : rows.intervals)
-          if (column.group + columns.groups * row.group == colour)
-            windows.push_back({column.begin, row.begin, column.size, row.size});
-      parallel_for(job_, static_cast<int>(windows.size()), [&](int i) {
-        if (solve(windows[static_cast<size_t>(i)])) changed = true;
-      });
+    const auto rows = cut_line(source_.height(), even_core(source_.height(), core_px), margin_px, shift);
+    bool changed = false;
+    plan(columns[0]);
+    parallel_for(job_, strip_.pieces(), [&](int i) { strip_.load_piece(i); });
+    for (size_t i = 0; i < columns.size(); ++i) {
+      strip_.move();
+      start_columns();
+      const bool more = i + 1 < columns.size();
+      if (more) plan(columns[i + 1]);
+      for (int parity = 0; parity < 2; ++parity)
+        if (solve_rows(columns[i], rows, parity, more)) changed = true;
+      job_.report("solve", static_cast<double>(i + 1) / static_cast<double>(columns.size()));
+    }
+    ++result_.passes;
+    return changed;
+  }
+
+  WindowSolve take() {
+    result_.peak_bytes =
+        pool_.bytes() + strip_.bytes() + result_.slots.samples.capacity() + result_.positions.samples.capacity();
+    return std::move(result_);
+  }
+
+ private:
+  struct Outcome {
+    bool changed = false;
+    Energy before, after;
+  };
+
+  // Windows of a column are solved every second one at a time: their number is a multiple of 4 where there are many,
+  // so that two and four threads have the same to do.
+  static int even_core(int height, int core_px) {
+    const int parts = (height + core_px / 2) / core_px;
+    return parts < 3 ? core_px : height / ((parts + 2) / 4 * 4);
+  }
+
+  void plan(const Interval& column) {
+    const Window whole = FramedWindow({column.begin, 0, column.size, source_.height()}, source_).outer;
+    strip_.plan(whole.x, whole.width);
+  }
+
+  // Columns met for the first time start with the labels of least cost.
+  void start_columns() {
+    const int width = strip_.width();
+    for (int x = 0; x < width;) {
+      int end = x;
+      while (end < width && !started_[static_cast<size_t>(strip_.column(end))])
+        started_[static_cast<size_t>(strip_.column(end++))] = true;
+      if (end == x) {
+        ++x;
+        continue;
+      }
+      start_run(x, end);
+      x = end;
+    }
+  }
+
+  void start_run(int first, int end) {
+    const int height = source_.height(), parts = (end - first + kColumnsAtOnce - 1) / kColumnsAtOnce;
+    std::vector<Energy> energies(static_cast<size_t>(parts));
+    parallel_for(job_, parts, [&](int i) {
+      const int begin = first + i * kColumnsAtOnce, count = std::min(kColumnsAtOnce, end - begin);
+      const std::vector<uint8_t> labels = cheapest_labels(begin, count);
+      for (int p = 0; p < count * height; ++p)
+        set_slot(strip_.column(begin + p / height), p % height, begin * height + p, labels[static_cast<size_t>(p)],
+                 strip_.terms());
+      energies[static_cast<size_t>(i)] = strip_.energy({begin, 0, count, height}, labels.data());
+    });
+    for (int i = 0; i < parts; ++i) {
+      result_.initial += energies[static_cast<size_t>(i)];
+      result_.final += energies[static_cast<size_t>(i)];
+      add_seam(first + i * kColumnsAtOnce);
+    }
+    add_seam(end);
+  }
+
+  std::vector<uint8_t> cheapest_labels(int x, int count) const {
+    std::vector<uint8_t> labels;
+    for (int p = x * source_.height(); p < (x + count) * source_.height(); ++p)
+      labels.push_back(cheapest_slot(strip_.terms(), p));
+    return labels;
+  }
+
+  std::vector<uint8_t> current_labels(int x, int count) const {
+    std::vector<uint8_t> labels;
+    for (int i = x; i < x + count; ++i)
+      for (int y = 0; y < source_.height(); ++y) labels.push_back(result_.slots.at(strip_.column(i), y));
+    return labels;
+  }
+
+  // Adds the energy of the edges between columns x - 1 and x of the strip.
+  void add_seam(int x) {
+    if (x == 0 || x == strip_.width()) return;
+    const int height = source_.height();
+    const auto seam = [&](const std::vector<uint8_t>& labels) {
+      Energy energy = strip_.energy({x - 1, 0, 2, height}, labels.data());
+      energy -= strip_.energy({x - 1, 0, 1, height}, labels.data());
+      energy -= strip_.energy({x, 0, 1, height}, labels.data() + height);
+      return energy;
+    };
+    result_.initial += seam(cheapest_labels(x - 1, 2));
+    result_.final += seam(current_labels(x - 1, 2));
+  }
+
+  // Solves every second window of the strip, while columns of the next one are loaded.
+  bool solve_rows(const Interval& column, const std::vector<Interval>& rows, int parity, bool more) {
+    std::vector<Window> windows;
+    for (size_t i = static_cast<size_t>(parity); i < rows.size(); i += 2)
+      windows.push_back({column.begin, rows[i].begin, column.size, rows[i].size});
+    std::vector<Outcome> outcomes(windows.size());
+    const int solves = static_cast<int>(windows.size()), half = strip_.pieces() / 2;
+    const int first_piece = parity == 0 ? 0 : half, pieces = parity == 0 ? half : strip_.pieces() - half;
+    parallel_for(job_, solves + (more ? pieces : 0), [&](int i) {
+      if (i >= solves) return strip_.load_piece(first_piece + i - solves);
+      const auto index = static_cast<size_t>(i);
+      outcomes[index] = solve(windows[index]);
+    });
+    bool changed = false;
+    for (const Outcome& outcome : outcomes) {
+      if (!outcome.changed) continue;
+      changed = true;
+      result_.final += outcome.after;
+      result_.final -= outcome.before;
     }
     return changed;
   }
 
-  Plane<uint8_t>& slots() { return slots_; }
-  size_t bytes() const { return pool_.bytes() + slots_.samples.capacity(); }
-
- private:
-  Energy scan_strip(int strip, bool choose) {
-    const int begin = strip * kStripColumns, end = std::min(source_.width(), begin + kStripColumns);
-    const bool next = end < source_.width() || source_.wraps();
-    const Window window{begin, 0, end - begin + (next ? 1 : 0), source_.height()};
-    auto scratch = pool_.take();
-    LabelGrid& grid = scratch->grid;
-    source_.load(window, grid);
-    if (choose) {
-      for (int p = 0; p < grid.size(); ++p)
-        grid.label[static_cast<size_t>(p)] =
-            static_cast<uint8_t>(std::min_element(grid.costs(p), grid.costs(p) + kSlots) - grid.costs(p));
-    } else {
-      load_labels(window, slots_, grid);
-    }
-    if (next) {  // the last column belongs to the next strip
-      const int last = (end - begin) * grid.height;
-      std::fill(grid.cost.begin() + last * kSlots, grid.cost.end(), uint16_t{0});
-      std::fill(grid.down.begin() + last, grid.down.end(), uint8_t{0});
-    }
-    const Energy energy = energy_of(grid, smoothness_);
-    if (choose) store_labels({begin, 0, end - begin, source_.height()}, 0, 0, grid);
-    pool_.give(std::move(scratch));
-    return energy;
-  }
-
-  bool solve(const Window& inner) {
+  Outcome solve(const Window& inner) {
     auto scratch = pool_.take();
     LabelGrid& grid = scratch->grid;
     const FramedWindow window(inner, source_);
-    source_.load(window.outer, grid);
-    load_labels(window.outer, slots_, grid);
+    const Window part{0, window.outer.y, window.outer.width, window.outer.height};
+    strip_.copy(part, grid);
+    for (int x = 0; x < part.width; ++x)
+      for (int y = 0; y < part.height; ++y)
+        grid.label[static_cast<size_t>(x * part.height + y)] = result_.slots.at(strip_.column(x), part.y + y);
+    Outcome outcome;
+    outcome.before = strip_.energy(part, grid.label.data());
     fold_ring(window, smoothness_, grid);
-    bool changed = pass_messages(*scratch);
-    scratch->expansion.start(grid, smoothness_);
+    outcome.changed = pass_messages(*scratch);
+    if (expand(*scratch)) outcome.changed = true;
+    if (outcome.changed) {
+      outcome.after = strip_.energy(part, grid.label.data());
+      store_labels(window, grid);
+    }
+    pool_.give(std::move(scratch));
+    return outcome;
+  }
+
+  bool expand(Scratch& scratch) {
+    bool changed = false;
+    scratch.expansion.start(scratch.grid, smoothness_);
     for (int cycle = 0; cycle < kMaxCycles; ++cycle) {
       bool pending = false;
       for (int alpha = 0; alpha < source_.slots(); ++alpha) {
         job_.check();
-        if (!scratch->expansion.pending(alpha)) continue;
+        if (!scratch.expansion.pending(alpha)) continue;
         pending = true;
-        if (scratch->expansion.expand(alpha)) changed = true;
+        if (scratch.expansion.expand(alpha)) changed = true;
       }
       if (!pending) break;
     }
-    if (changed) store_labels(inner, window.left_ring, window.top_ring, grid);
-    pool_.give(std::move(scratch));
     return changed;
   }
 
@@ -277,19 +322,28 @@ class WindowSolver {
     }
   }
 
-  void store_labels(const Window& window, int left, int top, const LabelGrid& grid) {
-    for (int x = 0; x < window.width; ++x)
-      for (int y = 0; y < window.height; ++y)
-        slots_.at(wrapped(window.x + x, slots_.width), window.y + y) =
-            grid.label[static_cast<size_t>((x + left) * grid.height + y + top)];
+  void store_labels(const FramedWindow& window, const LabelGrid& grid) {
+    const Window& inner = window.inner;
+    for (int x = 0; x < inner.width; ++x)
+      for (int y = 0; y < inner.height; ++y) {
+        const int p = (x + window.left_ring) * grid.height + y + window.top_ring;
+        set_slot(strip_.column(x + window.left_ring), inner.y + y, p, grid.label[static_cast<size_t>(p)], grid);
+      }
+  }
+
+  void set_slot(int x, int y, int p, uint8_t slot, const PixelTerms& terms) {
+    result_.slots.at(x, y) = slot;
+    if (source_.has_positions()) result_.positions.at(x, y) = static_cast<uint8_t>(terms.position_of(p, slot));
   }
 
   const GridSource& source_;
   const Smoothness& smoothness_;
   const WindowOptions options_;
   const Job& job_;
-  Plane<uint8_t> slots_;
+  Strip strip_;
+  std::vector<bool> started_;  // per column: has labels
   ScratchPool pool_;
+  WindowSolve result_;
 };
 
 }  // namespace
@@ -297,25 +351,10 @@ class WindowSolver {
 WindowSolve solve_windows(const GridSource& source, const Smoothness& smoothness, const WindowOptions& options,
                           const Job& job) {
   WindowSolver solver(source, smoothness, options, job);
-  WindowSolve result;
-  result.initial = solver.scan(true);
   const int passes = options.passes > 0 ? options.passes : source.width() * source.height() < kSmall ? 2 : 1;
-  while (result.passes < passes) {
-    job.report("solve", static_cast<double>(result.passes) / passes);
-    const bool changed = solver.pass(result.passes % 2 == 1);
-    ++result.passes;
-    if (!changed) break;
-  }
-  result.final = solver.scan(false);
-  result.peak_bytes = solver.bytes();
-  result.slots = std::move(solver.slots());
-  return result;
-}
-
-Energy energy_of(const GridSource& source, const Smoothness& smoothness, const Plane<uint8_t>& slots, const Job& job) {
-  WindowSolver solver(source, smoothness, {}, job);
-  solver.slots() = slots;
-  return solver.scan(false);
+  for (int i = 0; i < passes; ++i)
+    if (!solver.pass(i % 2 == 1)) break;
+  return solver.take();
 }
 
 }  // namespace ldp

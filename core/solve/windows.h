@@ -1,6 +1,6 @@
 // Solves a labelling problem of any size window by window: each window's labels are improved with everything outside
-// it held fixed, so that the energy of the whole never rises. Windows of one colour of a 2x2 pattern share no edge and
-// run in parallel with the same result in any order.
+// it held fixed, so that the energy of the whole never rises. The grid is walked through in strips of columns; of the
+// windows of a strip every second one is solved at a time, in parallel, with the same result in any order.
 #pragma once
 
 #include <cstddef>
@@ -21,15 +21,13 @@ struct WindowOptions {
 
 struct WindowSolve {
   Plane<uint8_t> slots;
-  Energy initial, final;  // of the cheapest slot of every pixel, and of the result
+  Plane<uint8_t> positions;  // of the slots; empty if the source has none
+  Energy initial, final;     // of the cheapest slot of every pixel, and of the result
   int passes = 0;
   size_t peak_bytes = 0;
 };
 
 WindowSolve solve_windows(const GridSource& source, const Smoothness& smoothness, const WindowOptions& options,
                           const Job& job);
-
-// True energy of a labelling, evaluated from the source.
-Energy energy_of(const GridSource& source, const Smoothness& smoothness, const Plane<uint8_t>& slots, const Job& job);
 
 }  // namespace ldp

@@ -166,9 +166,7 @@ int run(const fs::path& capture, Rays rays, const std::string& pictures, const s
     write_file(fs::path(pictures) / "cost.png", encode_png(least));
   }
 #ifdef HAVE_SOLVE
-  SolveOptions keeping;
-  keeping.memory_bytes = size_t{128} << 20;
-  const Labelling cut = solve_depth(sweep, {}, keeping, job);
+  const Labelling cut = solve_depth(sweep, {}, {}, job);
   lap("solve");
   report("cut", of_labels(cut.labels), truth);
   save(pictures, "cut.png", of_labels(cut.labels));

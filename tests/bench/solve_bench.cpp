@@ -65,7 +65,10 @@ double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC
 
 void compare(const DepthProblem& whole, const Problem& problem, double energy, const Settings& settings) {
   LabelGrid grid;
-  whole.source().load({0, 0, problem.volume.width(), problem.volume.height()}, grid);
+  const Window everything{0, 0, problem.volume.width(), problem.volume.height()};
+  grid.resize(everything.width, everything.height, false);
+  whole.source().load(everything, grid);
+  set_edges(whole.source(), everything, grid);
   const double unit = whole.grey_levels_per_unit() / problem.unit;
   const auto least = static_cast<double>(problem.volume.least_sum());
   if (settings.bound_iterations > 0) {

@@ -132,18 +132,6 @@ TEST(Solve, gives_the_same_bytes_at_any_thread_count) {
   }
 }
 
-TEST(Solve, gives_the_same_bytes_whatever_memory_it_may_keep_costs_in) {
-  const ArrayCosts costs = random_costs(150, 90, 12, true, 6);
-  SolveOptions options;
-  const Labelling none = solve_depth(costs, {}, options, {});
-  for (const size_t columns : {7U, 100U, 150U, 1000U}) {
-    options.memory_bytes = columns * 90 * 12 * 2;
-    const Labelling kept = solve_depth(costs, {}, options, {});
-    EXPECT_EQ(kept.labels, none.labels);
-    EXPECT_EQ(kept.report.peak_bytes - none.report.peak_bytes, std::min<size_t>(columns, 150) * 90 * 12 * 2);
-  }
-}
-
 TEST(Solve, does_not_see_pixels_outside_the_mask) {
   ArrayCosts costs = random_costs(60, 40, 8, true, 9);
   Plane<uint8_t> mask(60, 40);
