@@ -12,7 +12,7 @@
 namespace ldp {
 
 struct ArcOptions {
-  double straight_radius_factor = 50;  // radius given to a straight path, in path lengths
+  double straight_radius_factor = 1.5;  // radius given to a straight path, in path lengths
 };
 
 struct ArcFit {

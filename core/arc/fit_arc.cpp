@@ -327,7 +327,9 @@ ArcFit fit_arc(const std::vector<Camera>& cameras, const ArcOptions& options) {
   std::optional<Circle> circle = one_place ? Circle{} : fit_circle(flat, scale);
   ArcFit fit;
   fit.straight = !circle || (!one_place && chord(flat).first < kStraightAngle * circle->radius);
-  if (fit.straight) circle = straight_circle(flat, options.straight_radius_factor);
+  const bool flat_path =
+      fit.straight || (!one_place && circle->radius > options.straight_radius_factor * chord(flat).first);
+  if (flat_path) circle = straight_circle(flat, options.straight_radius_factor);
   circle = rounded_circle(*circle);
 
   std::vector<double> heights;
@@ -345,7 +347,7 @@ ArcFit fit_arc(const std::vector<Camera>& cameras, const ArcOptions& options) {
     sights.push_back(camera.forward);
     squared += std::pow(places.back().norm() - circle->radius, 2) / static_cast<double>(flat.size());
   }
-  const bool round = fit.straight || std::sqrt(squared) < kRoughest * circle->radius;
+  const bool round = flat_path || std::sqrt(squared) < kRoughest * circle->radius;
   const Angles of_sights = run_of_angles(sights), angles = round ? run_of_angles(places) : of_sights;
   const double zero = rounded(0.5 * (angles.low + angles.high), kFitBits);  // theta = 0 in the middle of the sweep
   Arc& arc = fit.arc;
