@@ -12,7 +12,9 @@
 namespace ldp {
 
 struct ArcOptions {
-  double straight_radius_factor = 1.5;  // radius given to a straight path, in path lengths
+  // Largest radius, in path lengths; straight paths get it. The rays of a larger circle would run parallel, and what the
+  // cameras at its ends see aside would lie far beyond the panorama's ends.
+  double straight_radius_factor = 1.5;
 };
 
 struct ArcFit {

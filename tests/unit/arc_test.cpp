@@ -116,12 +116,12 @@ TEST(FitArc, DoesNotDependOnTheOrderOfTheCameras) {
   EXPECT_NEAR(before.theta_end - before.theta_begin, after.theta_end - after.theta_begin, kRounding);
 }
 
-TEST(FitArc, AStraightPathIsSaidToBeStraightAndGetsALargeRadius) {
+TEST(FitArc, AStraightPathIsSaidToBeStraightAndGetsARadiusOfOneAndAHalfPathLengths) {
   std::vector<Camera> cameras;
   for (int i = 0; i < 10; ++i) cameras.push_back(outward_camera({0.1 * i, 0, 1.6}, 90, 0));
   const ArcFit fit = fit_arc(cameras, ArcOptions{});
   EXPECT_TRUE(fit.straight);
-  EXPECT_NEAR(fit.arc.radius, 50 * 0.9, 1e-6);
+  EXPECT_NEAR(fit.arc.radius, 1.5 * 0.9, 1e-6);
   EXPECT_GT(fit.arc.outward(0.5 * (fit.arc.theta_begin + fit.arc.theta_end)).y(), 0.99);
 }
 
