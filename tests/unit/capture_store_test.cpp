@@ -105,7 +105,7 @@ TEST_F(CaptureStoreTest, SweepsLeftShrinkWithTheReserve) {
 
 TEST_F(CaptureStoreTest, AFolderThatCannotBeMadeIsNamed) {
   touch(output_ / "file");
-  EXPECT_THROW(CaptureStore(output_ / "file" / "folder").prepare(), std::system_error);
+  EXPECT_THROW(CaptureStore(output_ / "file" / "folder").prepare(), std::runtime_error);
 }
 
 TEST(CaptureJson, SaysWhatIsKnown) {
