@@ -147,6 +147,7 @@ class Build {
     }
     continue_background(want, surface, gap, layer);
     watch_.lap("refine");
+    move_into_sight(grid_, surface, gap, upright_, visibility_, want, job_, layer);
     drop_unseen(grid_, upright_, visibility_, job_, layer);
     watch_.lap("visibility");
     return layer;

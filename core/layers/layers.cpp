@@ -1,7 +1,9 @@
 #include "layers.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "voxel_projection.h"
@@ -254,6 +256,61 @@ Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front
   });
   mark_boundary(grid, front, gap, want);
   return want;
+}
+
+namespace {
+
+// The voxels of one column at evenly spaced disparities, found when asked for.
+class ColumnOfVoxels {
+ public:
+  static constexpr int kStep = kLabelSteps / 2;
+
+  ColumnOfVoxels(const PanoramaGrid& grid, const std::vector<VoxelProjection>& projections,
+                 const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps, int x)
+      : grid_(grid), projections_(projections), frames_(frames), maps_(maps), heading_(heading(grid.theta(x + 0.5))) {}
+
+  bool in_sight(int disparity, double v) {
+    auto& columns = at_[static_cast<size_t>(disparity / kStep)];
+    if (!columns) columns = voxel_columns(projections_, frames_, maps_, heading_, grid_.inverse_depth(disparity));
+    return std::any_of(columns->begin(), columns->end(),
+                       [&](const VoxelColumn& c) { return falls_on_uncovered(c, v); });
+  }
+
+ private:
+  const PanoramaGrid& grid_;
+  const std::vector<VoxelProjection>& projections_;
+  const std::vector<UprightFrame>& frames_;
+  const std::vector<VisibilityMap>& maps_;
+  Heading heading_;
+  std::array<std::optional<std::vector<VoxelColumn>>, kDisparitySteps / kStep + 1> at_;
+};
+
+}  // namespace
+
+void move_into_sight(const PanoramaGrid& grid, const DisparityMap& front, int gap,
+                     const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
+                     const Plane<uint8_t>& want, const Job& job, DisparityMap& layer) {
+  constexpr int kStep = ColumnOfVoxels::kStep;
+  const std::vector<VoxelProjection> projections = projections_of(grid, frames);
+  parallel_for(job, grid.width, [&](int x) {
+    ColumnOfVoxels voxels(grid, projections, frames, maps, x);
+    for (int y = 0; y < grid.height; ++y) {
+      if (want.at(x, y) != kWanted) continue;
+      const int farthest = front.at(x, y) - gap;
+      uint16_t& d = layer.at(x, y);
+      const int start = (std::min<int>(d == kNoDisparity ? 0 : d, farthest) + kStep / 2) / kStep * kStep;
+      const double v = grid.v(y + 0.5);
+      if (d <= farthest && voxels.in_sight(start, v)) continue;
+      for (int away = 0; away <= kDisparitySteps; away += kStep)
+        if (const int behind = start - away; behind >= 0 && behind <= farthest && voxels.in_sight(behind, v)) {
+          d = static_cast<uint16_t>(behind);
+          break;
+        } else if (const int nearer = start + away; nearer <= farthest && voxels.in_sight(nearer, v)) {
+          d = static_cast<uint16_t>(nearer);
+          break;
+        }
+    }
+  });
 }
 
 int drop_unseen(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames,

@@ -57,6 +57,12 @@ int gap_steps(const PanoramaGrid& grid, const LayersOptions& options);
 // agrees with it to a label. (Labels are coarse where the range is long; the background's own disparity is not.)
 void continue_background(const Plane<uint8_t>& want, const DisparityMap& surface, int gap, DisparityMap& layer);
 
+// Moves wanted pixels that no camera sees at their disparity, or that have none, to the closest one behind `front` at
+// which one does.
+void move_into_sight(const PanoramaGrid& grid, const DisparityMap& front, int gap,
+                     const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
+                     const Plane<uint8_t>& want, const Job& job, DisparityMap& layer);
+
 // Removes from `layer` what no camera sees (pixels become kNoDisparity) and returns the number of pixels kept.
 int drop_unseen(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames,
                 const std::vector<VisibilityMap>& maps, const Job& job, DisparityMap& layer);

@@ -143,6 +143,26 @@ TEST(WantedBehind, OneCameraAtTheRaysSeesNothingBehind) {
     for (int x = kFirst + 2; x < kEnd - 2; ++x) EXPECT_EQ(want.at(x, y), kUnwanted);
 }
 
+TEST(MoveIntoSight, GivesEveryWantedPixelADisparityBehindTheFrontThatSomeCameraSees) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap map = square_before_the_sky(grid);
+  const auto frames = three_cameras();
+  const auto maps = visibility(grid, {&map}, frames, {}, {});
+  const auto want = wanted_behind(grid, map, frames, maps, {}, {});
+  const int gap = gap_steps(grid, {});
+  DisparityMap layer(grid.width, grid.height, kNoDisparity);
+  for (int x = 0; x < 50; ++x) layer.at(x, 30) = kNearSteps;  // not behind the square
+  const DisparityMap before = layer;
+  move_into_sight(grid, map, gap, frames, maps, want, {}, layer);
+  for (size_t i = 0; i < want.samples.size(); ++i) {
+    if (want.samples[i] == kWanted)
+      ASSERT_LE(layer.samples[i] + gap, map.samples[i]);
+    else
+      ASSERT_EQ(layer.samples[i], before.samples[i]);
+  }
+  EXPECT_GE(drop_unseen(grid, frames, maps, {}, layer), count(want, kWanted) * 9 / 10);
+}
+
 TEST(DropUnseen, KeepsWhatFillsAHoleAndDropsTheRest) {
   const PanoramaGrid grid = simple_grid(0.5);
   const DisparityMap map = square_before_the_sky(grid);
