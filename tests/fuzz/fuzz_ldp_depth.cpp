@@ -7,8 +7,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size < 3) return 0;
   ldp::DepthStrip strip;
-  const int width = 1 + data[0] % 64;
-  const int height = 1 + data[1] % 48;
+  const int width = 1 + data[0] % 40;
+  const int height = 1 + data[1] % 24;
   strip.block_px = data[2] % 20;
   const auto blocks = [&](int pixels) {
     return strip.block_px == 0 ? 1 : (pixels + strip.block_px - 1) / strip.block_px;

@@ -141,7 +141,7 @@ TEST(GoldenDamage, AForgedByteIsRefusedOrDecodedWithinBounds) {
   expect_within_bounds(tally, peak);
 }
 
-// Half the files' bytes cut away behind right checksums: the table is shortened or the last chunks are.
+// Cut at about 3,000 lengths of each file, behind right checksums: the table is shortened or the last chunks are.
 TEST(GoldenDamage, AForgedTruncationIsRefused) {
   const long peak = peak_kibibytes();
   Tally tally;
