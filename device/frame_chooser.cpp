@@ -9,6 +9,8 @@ namespace ldp {
 namespace {
 
 constexpr double kGoodMatch = 0.35;  // below, the two thumbnails are taken to show different things
+constexpr double kStill_px = 0.5;    // of the thumbnail, from frame to frame
+constexpr int kAstrayFrames = 3;     // a smear or a passer-by is over by then
 constexpr double kHoldFrom = 0.6;    // of the wanted step
 constexpr double kWorthAtEnd = 0.4;  // of the wanted step
 constexpr double kMaxBlur = 0.006;   // of the image width, while the shutter is open
@@ -78,20 +80,26 @@ bool FrameChooser::finish() {
 // Turn since the reference in the sweep's direction, in shares of the image width.
 double FrameChooser::step_to(const GreyImage& thumbnail, double* tilt_px) {
   const Shift direct = estimate_shift(reference_->thumbnail, thumbnail);
-  Shift shift = direct;
-  double before = 0;
-  if (direct.match < kGoodMatch && previous_) {
-    const Shift chained = estimate_shift(previous_->thumbnail, thumbnail);
-    if (chained.match > direct.match) {
-      shift = chained;
-      before = previous_->step;
-    }
-    if (shift.match < kGoodMatch) return previous_->step + speed_ * frame_interval_s_;  // blind: on as before
+  if (direct.match < kGoodMatch && previous_) return step_along(thumbnail, tilt_px);
+  blind_ = false;
+  astray_ = 0;
+  *tilt_px = tilt_before_ + direct.dy_px;
+  const double left = -direct.dx_px / thumbnail.width;  // content moves left: the camera turns right
+  return direction_ == 0 ? std::abs(left) : direction_ * left;
+}
+
+// The same for a frame that does not show what the reference shows: by way of the frame before.
+double FrameChooser::step_along(const GreyImage& thumbnail, double* tilt_px) {
+  const Shift chained = estimate_shift(previous_->thumbnail, thumbnail);
+  if (chained.match < kGoodMatch) {
+    blind_ = true;
+    return previous_->step + speed_ * frame_interval_s_;  // on as before
   }
-  *tilt_px = tilt_before_ + shift.dy_px;
-  const double left = -shift.dx_px / thumbnail.width;  // content moves left: the camera turns right
-  if (direction_ == 0) return std::abs(left) + before;
-  return before + direction_ * left;
+  *tilt_px = tilt_before_ + chained.dy_px;
+  const double left = -chained.dx_px / thumbnail.width;
+  const double step = previous_->step + (direction_ == 0 ? std::abs(left) : direction_ * left);
+  astray_ = blind_ || std::abs(chained.dx_px) < kStill_px ? astray_ + 1 : 0;
+  return astray_ < kAstrayFrames ? step : std::max(step, 1.01 * (1 - options_.overlap));
 }
 
 void FrameChooser::keep(const Seen& seen) {
@@ -103,6 +111,8 @@ void FrameChooser::keep(const Seen& seen) {
   reference_ = seen;
   reference_->step = 0;
   held_.reset();
+  blind_ = false;
+  astray_ = 0;
   ++frames_;
 }
 

@@ -4,6 +4,8 @@
 // neighbours that are kept overlap by at least the wanted share, and of the frames that would do the sharpest is kept.
 // How: the shift against the last kept frame (motion.h), or, where the two do not match, added up over the frames
 // since. Between 60 % and 100 % of the wanted step the sharpest frame is held; it is kept when a frame passes the step.
+// Where that sum has a gap (the arm jumped from rest), frames that match each other but not the last kept one tell that
+// the step was passed.
 #pragma once
 
 #include <cstdint>
@@ -51,6 +53,7 @@ class FrameChooser {
   };
 
   double step_to(const GreyImage& thumbnail, double* tilt_px);
+  double step_along(const GreyImage& thumbnail, double* tilt_px);
   void keep(const Seen& seen);
   bool consider(const Seen& seen);
   void measure_speed(const OfferedFrame& frame);
@@ -61,6 +64,8 @@ class FrameChooser {
   std::optional<Seen> reference_, held_, previous_;
   int direction_ = 0;  // +1: content moves left, the camera turns right
   int frames_ = 0;
+  bool blind_ = false;  // since the reference the turn was guessed, not seen
+  int astray_ = 0;      // frames in a row that match the one before, but lie who knows how far from the reference
   bool full_ = false;
   double turned_before_ = 0;  // shares of the width from the first frame to the reference
   double turned_ = 0;         // ... to now

@@ -283,7 +283,8 @@ class GpioLed final : public StatusChannel {
 
   void publish(const StatusMessage& message) override {
     const auto* const status = std::get_if<Status>(&message);
-    if (status == nullptr || status->phase == phase_) return;
+    if (status == nullptr) return;
+    if (status->phase == phase_) return line_.set(on_);  // only use tells that a line has gone away
     phase_ = status->phase;
     ticker_.stop();
     on_ = phase_ == Phase::capturing || phase_ == Phase::building || phase_ == Phase::failed;

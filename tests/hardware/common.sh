@@ -4,6 +4,8 @@ out=/tmp/out
 said=/tmp/said
 mkdir -p /tmp
 
+step() { echo "[$SECONDS s] $*"; }
+
 fail() {
   echo "FAILED: $*"
   echo "--- the service said:"

@@ -12,7 +12,7 @@ cam -l 2>/dev/null | grep -q "Sensor B" || fail "libcamera does not see vimc"
 start_service --camera 'libcamera:platform/vimc.0 Sensor B?width=640&height=480'
 
 for number in 1 2; do
-  echo "sweep $number from press to release"
+  step "sweep $number from press to release"
   forget
   press
   await "sweep: 1 frames"

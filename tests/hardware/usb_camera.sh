@@ -54,7 +54,7 @@ configure 'min_frames = 3' 'lost_after_seconds = 8' 'overlap = 0.95' 'max_second
 plug 2 4
 start_service --camera v4l2:/dev/video0
 
-echo "the frames of a sweep arrive byte by byte"
+step "the frames of a sweep arrive byte by byte"
 count=$(frames_in "$frames")
 press
 await "capturing: turn"
@@ -67,7 +67,7 @@ expect_views "$out/sweep_000001.ldp"
 grep -q "Simulated USB camera" "$out/sweep_000001/capture.json" || fail "the camera's name is missing"
 grep -q '"pixel_format": "mjpeg"' "$out/sweep_000001/capture.json" || fail "not MJPEG"
 
-echo "the plug is pulled in mid-sweep"
+step "the plug is pulled in mid-sweep"
 stop_service
 unset BUILD_PROGRAM BUILD_OPTIONS
 configure 'min_frames = 3' 'lost_after_seconds = 8'
@@ -84,7 +84,7 @@ await "sweep_000002.ldp is ready"
 expect_camera_frames "$out/sweep_000002"
 expect_running
 
-echo "plugged in again"
+step "plugged in again"
 while [ -e /dev/video0 ]; do sleep 0.1; done
 plug 2 4
 forget

@@ -3,7 +3,7 @@
 . "$(dirname "$0")/common.sh"
 . "$(dirname "$0")/vivid.sh"
 
-echo "streaming cannot start: a failure, and the next sweep works"
+step "streaming cannot start: a failure, and the next sweep works"
 forget
 control inject_vidioc_streamon_error=1
 press; await "cannot start streaming"; release
@@ -13,7 +13,7 @@ forget
 sweep 0
 await "ldp is ready"
 
-echo "the stream breaks in mid-sweep: what was taken is built"
+step "the stream breaks in mid-sweep: what was taken is built"
 forget
 press; await "$some_frames"
 control inject_fatal_streaming_error=1
@@ -22,7 +22,7 @@ release
 await "ldp is ready"
 expect_running
 
-echo "the camera is unplugged in mid-sweep: what was taken is built, and after replugging the next sweep works"
+step "the camera is unplugged in mid-sweep: what was taken is built, and after replugging the next sweep works"
 forget
 press; await "$some_frames"
 control disconnect=1
@@ -41,7 +41,7 @@ forget
 sweep 0
 await "ldp is ready"
 
-echo "the driver goes away in mid-sweep: it cannot be unloaded while the camera streams, only unbound"
+step "the driver goes away in mid-sweep: it cannot be unloaded while the camera streams, only unbound"
 forget
 press; await "$some_frames"
 modprobe -r -d "$(cat /run/job/module-root)" vivid 2>/dev/null && fail "vivid let itself be unloaded in mid-sweep"
@@ -61,7 +61,7 @@ expect_reported
 
 expect_whole_frames
 
-echo "the button goes away: the service stays; it comes back: the next sweep works"
+step "the button goes away: the service stays; it comes back: the next sweep works"
 forget
 echo 0 >/sys/kernel/config/gpio-sim/box/live
 await "the button was lost"

@@ -3,7 +3,7 @@
 . "$(dirname "$0")/common.sh"
 . "$(dirname "$0")/vivid.sh"
 
-echo "a sweep from press to release"
+step "a sweep from press to release"
 press
 await "capturing: turn"
 [ "$(cat "$led")" = 1 ] || fail "the LED is off while capturing"
@@ -16,7 +16,7 @@ grep -q "\"pixel_format\": \"yuyv\"" "$out/sweep_000001/capture.json" || fail "n
 
 number=1
 for bounce_ms in 1 5 10 20; do
-  echo "a button that bounces for $bounce_ms ms makes one sweep"
+  step "a button that bounces for $bounce_ms ms makes one sweep"
   forget
   number=$((number + 1))
   sweep 0 "$bounce_ms"
@@ -25,7 +25,7 @@ for bounce_ms in 1 5 10 20; do
   [ "$(grep -c 'capturing: turn' "$said")" = 1 ] || fail "more than one sweep"
 done
 
-echo "a double press is a sweep that is too short, and says so"
+step "a double press is a sweep that is too short, and says so"
 forget
 number=$((number + 1))
 press; sleep 0.1; release; sleep 0.1
@@ -34,7 +34,7 @@ press; sleep 0.1; release; sleep 0.3
 number=$((number + 1))
 expect_running
 
-echo "a press while building is refused, and nothing is lost"
+step "a press while building is refused, and nothing is lost"
 stop_service
 export BUILD_SECONDS=3
 start
@@ -47,7 +47,7 @@ await "ldp is ready"
 stop_service
 unset BUILD_SECONDS
 
-echo "a button held for ever: the sweep ends by itself, and letting go later begins nothing"
+step "a button held for ever: the sweep ends by itself, and letting go later begins nothing"
 configure 'min_frames = 3' 'lost_after_seconds = 6' 'max_seconds = 5'
 start
 press

@@ -151,6 +151,33 @@ TEST(FrameChoice, PhotosThatAlreadyOverlapAsWantedAreAllKept) {
   EXPECT_EQ(kept.positions.size(), 20U);
 }
 
+// Steps that still overlap, that overlap too little to be matched, and that show something else altogether.
+TEST(FrameChoice, AHandThatRestsAndJumpsLosesNoPicture) {
+  for (const int jump_px : {16, 30, 70, 200}) {
+    const auto position = [&](int i) { return 100.0 + jump_px * (i / 6); };
+    EXPECT_EQ(sweep_over(19 * 6, 30, position, kAllSharp).positions.size(), 19U) << jump_px;
+  }
+}
+
+TEST(FrameChoice, AfterAJumpFromRestTheFirstClearFramesAreKeptAndTheSweepGoesOn) {
+  const auto position = [](int i) { return i < 20 ? 100.0 : 300.0 + (i - 20); };
+  const Kept kept = sweep_over(120, 30, position, kAllSharp);
+  ASSERT_GE(kept.positions.size(), 4U);
+  EXPECT_LE(kept.positions[1], 304);
+  for (size_t i = 2; i < kept.positions.size(); ++i) EXPECT_LE(kept.positions[i] - kept.positions[i - 1], 26);
+}
+
+TEST(FrameChoice, ASmearedFrameIsNoJump) {
+  const GreyImage world = landscape(1000, 100, 7), smear(96, 72, 90);
+  FrameChooser chooser({});
+  int kept = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Verdict verdict = chooser.offer({i % 10 == 5 ? smear : window_of(world, 100, 10), 1, i * 33'000'000LL, {}});
+    kept += verdict.store_held + verdict.store_this;
+  }
+  EXPECT_EQ(kept, 1);
+}
+
 TEST(FrameChoice, ASweepToTheLeftWorksAsOneToTheRight) {
   const Kept kept = sweep_over(
       200, 30, [](int i) { return 900.0 - 2 * i; }, kAllSharp);
