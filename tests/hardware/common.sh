@@ -27,19 +27,19 @@ make_button() {
 }
 
 press() { echo pull-up >"$pull"; }
-release() { echo pull-down >"$pull"; }
+release() { echo pull-down >"$pull"; sleep 0.1; }  # shorter than the debouncing it were no release
 
-# A contact that bounces to pull-up or pull-down: so many milliseconds between edges, in one process to be in time.
+# A contact that bounces to pull-up or pull-down: so many milliseconds between edges, without a process in between to be
+# in time.
+mkfifo /tmp/silence
 bounce_to() {
-  python3 - "$pull" "$1" "$2" <<'BOUNCE'
-import sys, time
-path, target, gap_ms = sys.argv[1], sys.argv[2], float(sys.argv[3])
-other = "pull-down" if target == "pull-up" else "pull-up"
-for level in [target, other] * 3 + [target]:
-    with open(path, "w") as pull:
-        pull.write(level)
-    time.sleep(gap_ms / 1000)
-BOUNCE
+  local other=pull-up gap level
+  [ "$1" = pull-up ] && other=pull-down
+  printf -v gap '0.%03d' "$2"
+  for level in "$1" "$other" "$1" "$other" "$1" "$other" "$1"; do
+    echo "$level" >"$pull"
+    read -rt "$gap" <>/tmp/silence
+  done
 }
 
 # The stand-in for the build lists the frames into the panorama's file.
@@ -92,7 +92,7 @@ expect_capture() {
 # Every frame that was ever reported stored over LCM is there. /tmp/heard is what `ldp watch --json` printed.
 listen() { ldp watch --json --status 'lcm:udpm://239.255.76.67:7667?ttl=0' >/tmp/heard & }
 expect_reported() {
-  python3 - "$out" <<'CHECK' || fail "frames that were reported stored are missing"
+  /usr/bin/python3 -IS - "$out" <<'CHECK' || fail "frames that were reported stored are missing"
 import glob, json, sys
 stored = {}
 for line in open("/tmp/heard"):

@@ -10,7 +10,7 @@ shift 2
 some_frames='sweep: \([4-9]\|[1-9][0-9]\) frames'
 
 plug() {
-  python3 "$(dirname "$0")/usb_camera.py" "$frames" "$1" "$2" 2>/tmp/camera.log &
+  /usr/bin/python3 -IS "$(dirname "$0")/usb_camera.py" "$frames" "$1" "$2" 2>/tmp/camera.log &
   camera=$!
   local tries=0
   until [ -e /dev/video0 ]; do
@@ -22,7 +22,7 @@ plug() {
 
 # Every stored frame is one of the camera's, and they come in its order.
 expect_camera_frames() {
-  python3 - "$1" "$frames" <<'CHECK' || fail "$1 does not hold the camera's frames"
+  /usr/bin/python3 -IS - "$1" "$frames" <<'CHECK' || fail "$1 does not hold the camera's frames"
 import glob, sys
 stored, sent = ([open(name, "rb").read() for name in sorted(glob.glob(folder + "/frame_*.jpg"))] for folder in sys.argv[1:3])
 order = [sent.index(frame) for frame in stored]

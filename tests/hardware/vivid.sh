@@ -10,6 +10,7 @@ sweep() {  # SECONDS [BOUNCE_MS]
   await "$some_frames"
   sleep "$1"
   bounce_to pull-down "${2:-0}"
+  sleep 0.1
 }
 
 start() { start_service --camera "$camera" --status 'lcm:udpm://239.255.76.67:7667?ttl=0'; }
