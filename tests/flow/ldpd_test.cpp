@@ -92,11 +92,11 @@ class Process {
 
   bool says(const std::string& what, int seconds = 60) const {
     const auto until = Clock::now() + std::chrono::seconds(seconds);
-    while (Clock::now() < until) {
+    for (;;) {
       if (text_of(output_).find(what) != std::string::npos) return true;
+      if (Clock::now() >= until) return false;
       std::this_thread::sleep_for(milliseconds(5));
     }
-    return false;
   }
   bool runs() const { return kill(pid_, 0) == 0 && waitpid(pid_, nullptr, WNOHANG) == 0; }
   Finished stop(int signal) {
@@ -110,6 +110,11 @@ class Process {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(output_)};
   }
   pid_t pid() const { return pid_; }
+  void kill_child() const {
+    const std::string pid = std::to_string(pid_);
+    const pid_t child = std::atoi(text_of("/proc/" + pid + "/task/" + pid + "/children").c_str());
+    if (child > 0) kill(child, SIGKILL);
+  }
 
  private:
   fs::path output_;
@@ -421,7 +426,7 @@ TEST_F(LdpdTest, KilledAtAnyMomentNothingStoredIsLostAndTheNextStartBuildsIt) {
 TEST_F(LdpdTest, ABuildKilledAtAnyMomentIsAFailureAndTheServiceGoesOn) {
   build_program("echo $$ > \"$capture.pid\"; echo '0.2 poses' >&3; sleep 0.3");
   std::mt19937 random(2);
-  for (int i = 0; i < std::max(1, kills() / 5); ++i) {
+  for (int i = 0; i < (kills() > 10 ? kills() : 2); ++i) {
     SCOPED_TRACE("kill " + std::to_string(i));
     fs::remove_all(room_ / "out");
     fs::remove(room_ / "said");
@@ -446,6 +451,58 @@ TEST_F(LdpdTest, ABuildKilledAtAnyMomentIsAFailureAndTheServiceGoesOn) {
     expect_whole(true);
     script("press wait 700 release");
   }
+}
+
+// The same with ldp itself: killed at any moment of its work it leaves nothing behind, and the panorama that a later
+// start builds is, byte by byte, that of a build in peace.
+TEST_F(LdpdTest, LdpKilledAtAnyMomentOfItsBuildIsBegunAgainByTheNextStart) {
+  script("press wait 300000 release");
+  const std::string scene = "scene:garden?fps=1000&hold=no&width=160&height=120";
+  fs::create_directories(room_ / "out");
+  const Finished captured = Process({LDP_DEVICE_PROGRAM, "capture", "--camera", scene, "--button",
+                                     "script:" + (room_ / "script").string(), "-o", capture().string()},
+                                    room_ / "captured")
+                                .wait();
+  ASSERT_EQ(captured.status, 0) << captured.said;
+  const int frames = frames_in(capture());
+  std::ofstream(room_ / "ldpd.toml")
+      << "[build]\nniceness = 0\noptions = [\"--layers\", \"1\", \"--iterations\", \"1\", \"--labels\", "
+         "\"4\"]\n";
+  script("wait 1");
+  const auto build_in_peace = [&] {
+    fs::remove(room_ / "said");
+    Process service(command({}), room_ / "said");
+    ASSERT_TRUE(service.says("building sweep_000001"));
+    ASSERT_TRUE(service.says("sweep_000001.ldp is ready", 300)) << text_of(room_ / "said");
+    service.stop(SIGTERM);
+  };
+  const auto begin = Clock::now();
+  build_in_peace();
+  const auto build_us = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin).count();
+  const std::vector<uint8_t> wanted = read_file(panorama());
+  std::mt19937 random(4);
+  int killed = 0;
+  for (int i = 0; i < (kills() > 10 ? kills() : 2); ++i) {
+    SCOPED_TRACE("kill " + std::to_string(i));
+    for (const fs::path& file : {panorama(), capture() / "build.json", room_ / "said"}) fs::remove(file);
+    Process service(command({}), room_ / "said");
+    ASSERT_TRUE(service.says("building sweep_000001")) << text_of(room_ / "said");
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % static_cast<uint64_t>(build_us)));
+    service.kill_child();
+    while (!service.says("done: ", 0) && !service.says("failed: the build was killed", 0) && service.runs()) {
+      std::this_thread::sleep_for(milliseconds(5));
+    }
+    EXPECT_TRUE(service.runs());
+    service.stop(SIGTERM);
+    EXPECT_EQ(frames_in(capture()), frames);
+    EXPECT_TRUE(fs::is_empty(room_ / "out" / ".building"));
+    killed += fs::exists(panorama()) ? 0 : 1;
+  }
+  EXPECT_GE(killed, 1);
+  fs::remove(panorama());
+  build_in_peace();
+  EXPECT_EQ(read_file(panorama()), wanted);
+  EXPECT_FALSE(fs::exists(capture() / "build.json"));
 }
 
 // A small disk of its own, which is filled up but for so many KiB once the sweep has begun: every write in turn, of

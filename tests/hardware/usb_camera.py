@@ -2,11 +2,10 @@
 """A USB camera without hardware: speaks USB/IP to the kernel's vhci-hcd, so that the stock uvcvideo driver finds a
 UVC 1.0 camera that streams the JPEG files of a folder (MJPEG over a bulk endpoint), byte by byte.
 
-  usb_camera.py FOLDER FPS SECONDS     until killed; killing it is pulling the plug
+  usb_camera.py FOLDER FPS     until killed; killing it is pulling the plug
 
-The first picture is held for so many seconds after streaming starts, as a person does, then every frame is the next
-one; the last one is held for ever. With 0 seconds each is held until SIGUSR1 asks for the next: a sweep for machines
-of any speed.
+The first picture is shown until SIGUSR1 asks for the next, and so on, so that a test waits for what became of each
+instead of racing the clock; the last one is shown for ever.
 """
 import glob
 import select
@@ -34,19 +33,19 @@ def jpeg_size(data):
 
 
 class Camera:
-    def __init__(self, folder, fps, first_seconds):
+    def __init__(self, folder, fps):
         self.frames = [open(name, "rb").read() for name in sorted(glob.glob(folder + "/frame_*.jpg"))]
         self.width, self.height = jpeg_size(self.frames[0])
-        self.fps, self.first_seconds = fps, first_seconds
+        self.fps = fps
         self.interval = int(1e7 / fps)
-        self.start = None          # when streaming was committed
+        self.streams = False
         self.current, self.sent, self.frame_id = b"", 0, 0
         self.next_frame_at = 0.0
-        self.moves = 0             # pictures since the first one
+        self.picture = 0
         self.probe = self.probe_control()
 
     def next_picture(self):
-        self.moves += 1
+        self.picture = min(self.picture + 1, len(self.frames) - 1)
 
     # --- descriptors
 
@@ -104,8 +103,8 @@ class Camera:
             return self.probe[:length]
         if kind == 0x21 and index & 255 == 1 and value >> 8 in (1, 2):
             if value >> 8 == 2:
-                self.start = self.next_frame_at = time.monotonic()
-                self.current, self.sent, self.moves = b"", 0, 0
+                self.streams, self.next_frame_at = True, time.monotonic()
+                self.current, self.sent, self.picture = b"", 0, 0
             return b""
         return None
 
@@ -116,9 +115,7 @@ class Camera:
             if now < self.next_frame_at:
                 return None
             self.next_frame_at = max(self.next_frame_at + 1 / self.fps, now)
-            if 0 < self.first_seconds <= now - self.start:
-                self.moves += 1
-            self.current = self.frames[min(self.moves, len(self.frames) - 1)]
+            self.current = self.frames[self.picture]
             self.sent = 0
             self.frame_id ^= 1
         part = self.current[self.sent:self.sent + PAYLOAD - 2]
@@ -167,23 +164,21 @@ class Wire:
     def run(self):
         while True:
             now = time.monotonic()
-            while self.waiting and self.camera.start is not None:
+            while self.waiting and self.camera.streams:
                 payload = self.camera.payload(now)
                 if payload is None:
                     break
                 sequence, _ = self.waiting.pop(0)
                 self.answer(sequence, 0, payload, len(payload))
-            streaming = bool(self.waiting) and self.camera.start is not None
+            streaming = bool(self.waiting) and self.camera.streams
             wait = max(self.camera.next_frame_at - time.monotonic(), 0) if streaming else None
             if select.select([self.link], [], [], wait)[0]:
                 self.serve_one()
 
 
 def main():
-    folder = sys.argv[1]
-    fps, first_seconds = float(sys.argv[2]), float(sys.argv[3])
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
-    camera = Camera(folder, fps, first_seconds)
+    camera = Camera(sys.argv[1], float(sys.argv[2]))
     signal.signal(signal.SIGUSR1, lambda *_: camera.next_picture())
     high_speed, port, device = 3, 0, 0x10002
     with open("/sys/devices/platform/vhci_hcd.0/attach", "w") as attach:

@@ -7,16 +7,24 @@
 frames=$1
 panorama=$2
 shift 2
-some_frames='sweep: \([4-9]\|[1-9][0-9]\) frames'
 
 plug() {
-  /usr/bin/python3 -IS "$(dirname "$0")/usb_camera.py" "$frames" "$1" "$2" 2>/tmp/camera.log &
+  /usr/bin/python3 -IS "$(dirname "$0")/usb_camera.py" "$frames" 4 2>/tmp/camera.log &
   camera=$!
   local tries=0
   until [ -e /dev/video0 ]; do
     tries=$((tries + 1))
     [ "$tries" -lt 150 ] || fail "uvcvideo does not find the camera: $(cat /tmp/camera.log)"
     sleep 0.1
+  done
+}
+
+# A sweep of so many frames: the camera shows the next picture when the one before is stored.
+turn_through() {
+  await "capturing: turn"
+  for stored in $(seq 1 "$1"); do
+    await "stored: $stored frames"
+    kill -USR1 "$camera"
   done
 }
 
@@ -50,15 +58,15 @@ CHECK
 make_button
 BUILD_PROGRAM=$(command -v ldp)
 BUILD_OPTIONS=$(printf '"%s",' "$@")
-configure 'min_frames = 3' 'lost_after_seconds = 8' 'overlap = 0.95' 'max_seconds = 300'  # every frame of the camera is kept
-plug 2 4
+every_picture=('min_frames = 3' 'lost_after_seconds = 8' 'overlap = 0.95' 'max_seconds = 300')
+configure "${every_picture[@]}"
+plug
 start_service --camera v4l2:/dev/video0
 
 step "the frames of a sweep arrive byte by byte"
 count=$(frames_in "$frames")
 press
-await "capturing: turn"
-await "sweep: $count frames" 120
+turn_through "$count"
 release
 await "sweep_000001.ldp is ready" 400
 expect_capture "$out/sweep_000001" "$count"
@@ -70,13 +78,13 @@ grep -q '"pixel_format": "mjpeg"' "$out/sweep_000001/capture.json" || fail "not 
 step "the plug is pulled in mid-sweep"
 stop_service
 unset BUILD_PROGRAM BUILD_OPTIONS
-configure 'min_frames = 3' 'lost_after_seconds = 8'
+configure "${every_picture[@]}"
 kill -9 "$camera"
 while [ -e /dev/video0 ]; do sleep 0.1; done
-plug 2 4
+plug
 start_service --camera v4l2:/dev/video0
 press
-await "$some_frames"
+turn_through 4
 kill -9 "$camera"
 await "storing"
 release
@@ -86,10 +94,10 @@ expect_running
 
 step "plugged in again"
 while [ -e /dev/video0 ]; do sleep 0.1; done
-plug 2 4
+plug
 forget
 press
-await "$some_frames"
+turn_through 4
 release
 await "sweep_000003.ldp is ready"
 expect_camera_frames "$out/sweep_000003"
