@@ -39,7 +39,7 @@ def read_chunks(file):
     need(file[:8] == b"\xabLDP\r\n\x1a\n", "magic")
     version, count, length, table_crc, header_crc = struct.unpack_from("<IIQII", file, 8)
     need(header_crc == crc32c(file[:28]), "header checksum")
-    need(version == 1, "version")
+    need(version in (1, 2), "version")
     need(length == len(file) and 32 + 32 * count <= length, "length")
     need(table_crc == crc32c(file[32:32 + 32 * count]), "table checksum")
     chunks, end = {}, 32 + 32 * count
@@ -52,6 +52,8 @@ def read_chunks(file):
         need((kind, layer, strip) not in chunks, "chunk twice")
         need(kind in (b"HEAD", b"LAYR", b"DPTH", b"ALPH", b"COLR") or kind[:1].islower(), "unknown needed chunk")
         chunks[kind, layer, strip] = data
+        if kind == b"COLR" and version == 1:
+            need(data[0] <= 2, "codec of version 2 in a file of version 1")
     need(end == length, "end of the last chunk")
     return chunks
 
@@ -247,19 +249,42 @@ def read_alpha(data, present, width, height):
     return alpha
 
 
+def curve_point(i):
+    x = y = 0
+    for s in (1, 2, 4, 8):
+        rx = i // 2 & 1
+        ry = (i ^ rx) & 1
+        if ry == 0:
+            x, y = (s - 1 - y, s - 1 - x) if rx else (y, x)
+        x, y, i = x + s * rx, y + s * ry, i // 4
+    return x, y
+
+
 def read_colour(data, tiles, present, width, height):
+    codec = data[0]
     stored = [(tx, ty) for ty in range((height + 15) // 16) for tx in range((width + 15) // 16) if tiles[tx, ty]]
-    need((data[0] == 0) == (not stored) and data[0] <= 2, "codec")
+    need((codec == 0) == (not stored) and codec <= 4, "codec")
     if not stored:
         return {}
+    curve = [curve_point(i) for i in range(256)]
+    inside = {(tx, ty): [(16 * tx + x, 16 * ty + y) for x, y in curve if present.get((16 * tx + x, 16 * ty + y))]
+              for tx, ty in stored}
+    whole = [tile for tile in stored if codec <= 2 or len(inside[tile]) >= 192]
+    gathered = [xy for tile in stored if tile not in whole for xy in inside[tile]]
     per_row = (width + 15) // 16
+    count = len(whole) + (len(gathered) + 255) // 256
     image = Image.open(io.BytesIO(data[1:]))
-    need(image.format == ("JPEG", "WEBP")[data[0] - 1], "kind of image")
-    need(image.size == (16 * per_row, 16 * ((len(stored) + per_row - 1) // per_row)), "size of the packed image")
+    need(image.format == ("WEBP", "JPEG")[codec % 2], "kind of image")
+    need(image.size == (16 * per_row, 16 * ((count + per_row - 1) // per_row)), "size of the packed image")
     pixels = image.convert("RGB").load()
-    place = {tile: (k % per_row * 16, k // per_row * 16) for k, tile in enumerate(stored)}
-    return {(x, y): pixels[place[x // 16, y // 16][0] + x % 16, place[x // 16, y // 16][1] + y % 16]
-            for (x, y), p in present.items() if p}
+
+    def colour(tile, x, y):
+        return pixels[tile % per_row * 16 + x, tile // per_row * 16 + y]
+
+    colours = {xy: colour(k, xy[0] % 16, xy[1] % 16) for k, tile in enumerate(whole) for xy in inside[tile]}
+    for i, xy in enumerate(gathered):
+        colours[xy] = colour(len(whole) + i // 256, *curve[i % 256])
+    return colours
 
 
 def read_layer(chunks, head, layer):

@@ -217,7 +217,8 @@ class Build {
 
   Layer coded(const DisparityMap& disparity) const {
     Layer layer;
-    layer.depth = encode_depth(disparity, options_.block_px);
+    // Steps of depth no finer than the parallax that tells two layers apart.
+    layer.depth = encode_depth(disparity, options_.block_px, gap_steps(grid_, {}));
     layer.coverage = Plane<uint8_t>(grid_.width, grid_.height, 0);
     for (size_t i = 0; i < disparity.samples.size(); ++i)
       layer.coverage.samples[i] = disparity.samples[i] != kNoDisparity;

@@ -57,6 +57,7 @@ struct JpegSegment {
 
 std::vector<uint8_t> encode_jpeg(const RgbImage& image, int quality);  // 4:2:0 below quality 90, 4:4:4 from 90
 std::vector<uint8_t> encode_jpeg(const RgbImage& image, int quality, std::span<const JpegSegment> segments);
+std::vector<uint8_t> encode_jpeg_444(const RgbImage& image, int quality);  // full resolution of colour at any quality
 std::vector<uint8_t> encode_png(const RgbImage& image);
 std::vector<uint8_t> encode_png(const RgbImage& image, const std::string& xmp);  // with a packet of metadata
 std::vector<uint8_t> encode_png(const RgbImage& image, const Plane<uint8_t>& alpha);

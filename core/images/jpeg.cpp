@@ -148,11 +148,12 @@ struct Encoder {
   const RgbImage& image;
   std::span<const JpegSegment> segments;
   int quality;
+  bool full_colour;  // 4:4:4
   unsigned char* out = nullptr;
   unsigned long out_size = 0;
 
-  Encoder(const RgbImage& from, std::span<const JpegSegment> with, int at_quality)
-      : image(from), segments(with), quality(at_quality) {
+  Encoder(const RgbImage& from, std::span<const JpegSegment> with, int at_quality, bool with_full_colour)
+      : image(from), segments(with), quality(at_quality), full_colour(with_full_colour) {
     install(errors);
     info.err = &errors.base;
     jpeg_create_compress(&info);
@@ -175,7 +176,7 @@ void compress(Encoder& e) {
   jpeg_set_quality(&e.info, e.quality, TRUE);
   e.info.dct_method = JDCT_ISLOW;
   e.info.optimize_coding = TRUE;
-  if (e.quality >= 90) e.info.comp_info[0].h_samp_factor = e.info.comp_info[0].v_samp_factor = 1;
+  if (e.full_colour) e.info.comp_info[0].h_samp_factor = e.info.comp_info[0].v_samp_factor = 1;
   jpeg_start_compress(&e.info, TRUE);
   for (size_t i = 0; i < e.segments.size(); ++i) {
     const JpegSegment& segment = e.segments[i];
@@ -213,16 +214,28 @@ ScaledImage decode_jpeg(std::span<const uint8_t> bytes, const std::string& name,
   return {std::move(d.image), full_size, eighths / 8.0};
 }
 
-std::vector<uint8_t> encode_jpeg(const RgbImage& image, int quality, std::span<const JpegSegment> segments) {
+namespace {
+
+std::vector<uint8_t> encode(const RgbImage& image, int quality, bool full_colour,
+                            std::span<const JpegSegment> segments) {
   if (quality < 1 || quality > 100)
     throw std::logic_error("JPEG quality must be 1 to 100, not " + std::to_string(quality));
   for (const JpegSegment& segment : segments)
     if (segment.bytes.size() > 65533) throw std::logic_error("a JPEG segment holds at most 65533 bytes");
-  Encoder e(image, segments, quality);
+  Encoder e(image, segments, quality, full_colour);
   if (!run(e.errors, e, compress)) throw std::runtime_error(std::string("cannot write JPEG: ") + e.errors.message);
   return {e.out, e.out + e.out_size};
 }
 
+}  // namespace
+
+std::vector<uint8_t> encode_jpeg(const RgbImage& image, int quality, std::span<const JpegSegment> segments) {
+  constexpr int kFullColourFrom = 90;
+  return encode(image, quality, quality >= kFullColourFrom, segments);
+}
+
 std::vector<uint8_t> encode_jpeg(const RgbImage& image, int quality) { return encode_jpeg(image, quality, {}); }
+
+std::vector<uint8_t> encode_jpeg_444(const RgbImage& image, int quality) { return encode(image, quality, true, {}); }
 
 }  // namespace ldp

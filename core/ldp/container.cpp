@@ -68,7 +68,7 @@ Place place_of(const LdpChunk& chunk) {
   return {name, chunk.offset};
 }
 
-std::vector<uint8_t> write_container(const std::vector<NewChunk>& chunks) {
+std::vector<uint8_t> write_container(const std::vector<NewChunk>& chunks, int version) {
   uint64_t offset = kHeaderBytes + kEntryBytes * chunks.size();
   ByteWriter table;
   for (const NewChunk& chunk : chunks) {
@@ -84,7 +84,7 @@ std::vector<uint8_t> write_container(const std::vector<NewChunk>& chunks) {
   ByteWriter file;
   file.bytes.reserve(static_cast<size_t>(offset));  // all of it is in memory already
   file.append(kMagic);
-  file.u32(kLdpVersion);
+  file.u32(static_cast<uint32_t>(version));
   file.u32(static_cast<uint32_t>(chunks.size()));
   file.u64(offset);
   file.u32(crc32c(table.bytes));
@@ -94,7 +94,7 @@ std::vector<uint8_t> write_container(const std::vector<NewChunk>& chunks) {
   return std::move(file.bytes);
 }
 
-std::vector<LdpChunk> read_container(std::span<const uint8_t> file) {
+Container read_container(std::span<const uint8_t> file) {
   const Place place("header", 0);
   check_magic(file, place);
   ByteReader header(file.first(std::min(file.size(), kHeaderBytes)), place);
@@ -106,8 +106,9 @@ std::vector<LdpChunk> read_container(std::span<const uint8_t> file) {
   const uint32_t header_crc = header.u32();
   const uint32_t found_crc = crc32c(file.first(kHeaderBytes - 4));
   if (header_crc != found_crc) place.refuse("checksum", hex(header_crc), hex(found_crc));
-  if (version != kLdpVersion)
-    place.refuse("version", std::to_string(kLdpVersion), std::to_string(version) + " (a newer program may read it)");
+  if (version < 1 || version > kLdpVersion)
+    place.refuse("version", "1 to " + std::to_string(kLdpVersion),
+                 std::to_string(version) + " (a newer program may read it)");
   if (length != file.size())
     place.refuse("length of the file", std::to_string(length) + " bytes", std::to_string(file.size()));
   if (count < 1 || count > kMaxChunks || count > (file.size() - kHeaderBytes) / kEntryBytes)
@@ -118,7 +119,8 @@ std::vector<LdpChunk> read_container(std::span<const uint8_t> file) {
   const Place table_place("table of chunks", kHeaderBytes);
   if (crc32c(table_bytes) != table_crc) table_place.refuse("checksum", hex(table_crc), hex(crc32c(table_bytes)));
   ByteReader table(table_bytes, table_place);
-  std::vector<LdpChunk> chunks;
+  Container container{static_cast<int>(version), {}};
+  std::vector<LdpChunk>& chunks = container.chunks;
   uint64_t offset = kHeaderBytes + table_bytes.size();
   for (uint32_t i = 0; i < count; ++i) {
     chunks.push_back(read_entry(table, offset, file.size()));
@@ -126,7 +128,7 @@ std::vector<LdpChunk> read_container(std::span<const uint8_t> file) {
   }
   if (offset != file.size())
     place_of(chunks.back()).refuse("end of the last chunk", std::to_string(file.size()), std::to_string(offset));
-  return chunks;
+  return container;
 }
 
 std::span<const uint8_t> checked_bytes(std::span<const uint8_t> file, const LdpChunk& chunk) {

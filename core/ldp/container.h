@@ -17,10 +17,15 @@ struct NewChunk {
   std::vector<uint8_t> bytes;
 };
 
-std::vector<uint8_t> write_container(const std::vector<NewChunk>& chunks);
+std::vector<uint8_t> write_container(const std::vector<NewChunk>& chunks, int version);
+
+struct Container {
+  int version = 0;
+  std::vector<LdpChunk> chunks;
+};
 
 // Checks magic, version, table and that the chunks fill the file without gap or overlap; not the chunks' contents.
-std::vector<LdpChunk> read_container(std::span<const uint8_t> file);
+Container read_container(std::span<const uint8_t> file);
 
 Place place_of(const LdpChunk& chunk);
 

@@ -184,10 +184,12 @@ std::vector<uint8_t> encode_ldp(const LayeredPanorama& panorama, const LdpEncode
       if (!(strip.*bytes).empty())
         chunks.push_back({type, static_cast<int>(strip.layer), strip.strip, std::move(strip.*bytes)});
   };
+  int version = 1;
+  for (const StripJob& strip : strips) version = std::max(version, version_of_colour(strip.colour));
   add("DPTH", &StripJob::depth);
   add("ALPH", &StripJob::alpha);
   add("COLR", &StripJob::colour);
-  return write_container(chunks);
+  return write_container(chunks, version);
 }
 
 }  // namespace ldp

@@ -21,7 +21,7 @@ struct LdpError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-constexpr int kLdpVersion = 1;
+constexpr int kLdpVersion = 2;  // the newest; a file gets the first version that has what it uses
 constexpr int kMaxLdpWidth = 65535, kMaxLdpHeight = 16368;  // the latter so that any strip is a WebP image
 constexpr int64_t kMaxLdpPixels = int64_t{1} << 28;
 constexpr int kMaxLdpLayers = 8;

@@ -97,9 +97,10 @@ struct LdpReader::State {
   FileIndex index;
 
   State(std::span<const uint8_t> file, const LdpReadLimits& limits) : bytes(file) {
-    description.version = kLdpVersion;
+    Container container = read_container(file);
+    description.version = container.version;
     description.file_bytes = file.size();
-    description.chunks = read_container(file);
+    description.chunks = std::move(container.chunks);
     read_head_chunk(limits);
     read_layer_records();
     index_strips();
@@ -190,7 +191,9 @@ struct LdpReader::State {
     decode_depth_strip(content(*chunks.depth), place_of(chunk(*chunks.depth)), true, depth);
     if (chunks.alpha)
       part.alpha = decode_alpha_strip(content(*chunks.alpha), place_of(chunk(*chunks.alpha)), depth.coverage);
-    if (with_colour) part.colour = decode_colour_strip(content(*chunks.colour), place_of(chunk(*chunks.colour)), depth);
+    if (with_colour)
+      part.colour =
+          decode_colour_strip(content(*chunks.colour), place_of(chunk(*chunks.colour)), depth, description.version);
     return part;
   }
 };
@@ -279,7 +282,7 @@ std::vector<std::string> verify_ldp(std::span<const uint8_t> bytes, const Job& j
     }
   };
   std::vector<LdpChunk> chunks;
-  if (!attempt([&] { chunks = read_container(bytes); })) return damages;
+  if (!attempt([&] { chunks = read_container(bytes).chunks; })) return damages;
   for (const LdpChunk& chunk : chunks) {
     job.check();
     attempt([&] { checked_bytes(bytes, chunk); });

@@ -11,7 +11,7 @@ struct Block {
   int x0, y0, x1, y1;
 };
 
-BlockRange tightest_range(const DisparityMap& disparity, const Block& block) {
+BlockRange range_of(const DisparityMap& disparity, const Block& block, int least_span) {
   int lowest = kDisparitySteps, highest = 0;
   for (int y = block.y0; y < block.y1; ++y)
     for (int x = block.x0; x < block.x1; ++x) {
@@ -21,7 +21,9 @@ BlockRange tightest_range(const DisparityMap& disparity, const Block& block) {
       highest = std::max(highest, d);
     }
   if (lowest > highest) return {0, 0};
-  return {static_cast<uint8_t>(lowest / 15), static_cast<uint8_t>((highest + 14) / 15)};
+  const int span = std::max((highest + 14) / 15 - lowest / 15, least_span);
+  const int low = std::min(lowest / 15, 255 - span);
+  return {static_cast<uint8_t>(low), static_cast<uint8_t>(low + span)};
 }
 
 void encode_block(const DisparityMap& disparity, const Block& block, BlockRange range, Plane<uint8_t>& codes) {
@@ -36,8 +38,10 @@ void encode_block(const DisparityMap& disparity, const Block& block, BlockRange 
 
 }  // namespace
 
-DepthCodes encode_depth(const DisparityMap& disparity, int block_px) {
+DepthCodes encode_depth(const DisparityMap& disparity, int block_px, int least_span) {
   if (block_px < 0) throw std::logic_error("encode_depth: block_px is " + std::to_string(block_px) + ", must be >= 0");
+  if (least_span < 0 || least_span > 255)
+    throw std::logic_error("encode_depth: least_span is " + std::to_string(least_span) + ", must be 0 to 255");
   DepthCodes depth;
   depth.block_px = block_px;
   depth.codes = Plane<uint8_t>(disparity.width, disparity.height);
@@ -50,7 +54,7 @@ DepthCodes encode_depth(const DisparityMap& disparity, int block_px) {
     for (int bx = 0; bx < depth.ranges.width; ++bx) {
       const Block block{bx * step_x, by * step_y, std::min((bx + 1) * step_x, disparity.width),
                         std::min((by + 1) * step_y, disparity.height)};
-      if (block_px != 0) depth.ranges.at(bx, by) = tightest_range(disparity, block);
+      if (block_px != 0) depth.ranges.at(bx, by) = range_of(disparity, block, least_span);
       encode_block(disparity, block, depth.ranges.at(bx, by), depth.codes);
     }
   return depth;

@@ -39,8 +39,10 @@ struct DepthCodes {
 };
 
 // The codes nearest to a disparity map. Ranges are the tightest 8-bit ranges that hold their block's present pixels
-// (block_px = 0: always (0, 255), the uniform codes of the paper). Blocks without a present pixel get (0, 0).
-DepthCodes encode_depth(const DisparityMap& disparity, int block_px);
+// (block_px = 0: always (0, 255), the uniform codes of the paper), but at least `least_span` wide: codes are steps of
+// (high - low) disparities, and steps finer than the depths are true are noise that costs bytes. Blocks without a
+// present pixel get (0, 0).
+DepthCodes encode_depth(const DisparityMap& disparity, int block_px, int least_span = 0);
 
 // The disparity map of codes; pixels with coverage 0 become kNoDisparity.
 DisparityMap decode_depth(const DepthCodes& depth, const Plane<uint8_t>& coverage);

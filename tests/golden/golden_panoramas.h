@@ -22,6 +22,8 @@ inline std::vector<Golden> golden_files() {
   return {{"uniform_lossless", {200, 90, 0, 3, false, Rays::pushbroom, false}, {101, LdpCodec::none}},
           {"blocks_alpha_wraps", {600, 60, 12, 4, true, Rays::central, true}, {85, LdpCodec::webp}},
           {"jpeg_one_layer", {97, 53, 8, 1, false, Rays::pushbroom, false}, {95, LdpCodec::none}},
+          {"gathered_jpeg", {230, 70, 16, 3, false, Rays::pushbroom, false}, {95, LdpCodec::jpeg}},
+          {"gathered_lossless", {150, 60, 0, 3, false, Rays::central, false}, {101, LdpCodec::none}},
           {"tiny", {5, 3, 0, 2, false, Rays::pushbroom, false}, {90, LdpCodec::none}}};
 }
 

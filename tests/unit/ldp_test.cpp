@@ -5,6 +5,7 @@
 #include <functional>
 #include <random>
 
+#include "colour_packing.h"
 #include "crc32c.h"
 #include "ldp_file.h"
 #include "range_coder.h"
@@ -136,6 +137,77 @@ TEST(LdpFile, LossyColourIsCloseAndDepthStaysExact) {
   }
 }
 
+// A second layer of scattered pixels, as thin leaves leave behind them.
+LayeredPanorama scattered_panorama() {
+  LayeredPanorama panorama = synthetic_panorama({300, 100, 16, 2, false, Rays::pushbroom, false});
+  std::mt19937 random(3);
+  Layer& layer = panorama.layers[1];
+  DisparityMap disparity(300, 100, kNoDisparity);
+  for (int y = 0; y < 100; ++y)
+    for (int x = 0; x < 300; ++x) {
+      const bool present = x < 120 && (x < 48 || random() % 4 == 0);
+      layer.coverage.at(x, y) = present;
+      const auto light = static_cast<uint8_t>(60 + random() % 120);
+      layer.colour.at(x, y) = present ? Rgb{light, static_cast<uint8_t>(light + 40), light} : Rgb{};
+      if (present) disparity.at(x, y) = static_cast<uint16_t>(500 + 3 * x);
+    }
+  layer.depth = encode_depth(disparity, 16);
+  return panorama;
+}
+
+double colour_error(const Layer& a, const Layer& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.colour.samples.size(); ++i) {
+    const Rgb p = a.colour.samples[i], q = b.colour.samples[i];
+    sum += std::pow(p.r - q.r, 2) + std::pow(p.g - q.g, 2) + std::pow(p.b - q.b, 2);
+  }
+  return sum;
+}
+
+double colour_bytes(const std::vector<uint8_t>& file, int layer) {
+  for (const LdpChunk& chunk : describe_ldp(file).chunks)
+    if (chunk.type == "COLR" && chunk.layer == layer) return static_cast<double>(chunk.length);
+  return 0;
+}
+
+TEST(GatheredColours, TheCurveGoesThroughEveryPixelStepByStep) {
+  std::vector<int> seen(kTilePixels);
+  for (size_t i = 0; i < kTileCurve.size(); ++i) {
+    ++seen[static_cast<size_t>(kTileCurve[i].y * kTile + kTileCurve[i].x)];
+    if (i == 0) continue;
+    EXPECT_EQ(std::abs(kTileCurve[i].x - kTileCurve[i - 1].x) + std::abs(kTileCurve[i].y - kTileCurve[i - 1].y), 1);
+  }
+  EXPECT_THAT(seen, ::testing::Each(1));
+}
+
+TEST(GatheredColours, ScatteredPixelsTakeLessRoomAndAreAsExact) {
+  const LayeredPanorama panorama = scattered_panorama();
+  const std::vector<uint8_t> file = encode_ldp(panorama, {90, LdpCodec::none});
+  const std::vector<uint8_t> plain = encode_ldp(panorama, {90, LdpCodec::webp});
+  EXPECT_EQ(describe_ldp(file).version, 2);
+  EXPECT_EQ(describe_ldp(plain).version, 1);
+  EXPECT_LT(colour_bytes(file, 1), 0.8 * colour_bytes(plain, 1));
+  EXPECT_EQ(colour_bytes(file, 0), colour_bytes(plain, 0)) << "a dense layer stays as it is";
+  EXPECT_LE(colour_error(decode_ldp(file).layers[1], panorama.layers[1]),
+            17.0 / 16 * colour_error(decode_ldp(plain).layers[1], panorama.layers[1]));
+}
+
+TEST(GatheredColours, LosslessOnesComeBackExactly) {
+  const LayeredPanorama panorama = scattered_panorama();
+  const std::vector<uint8_t> file = encode_ldp(panorama, kLossless);
+  EXPECT_EQ(describe_ldp(file).version, 2);
+  expect_same(decode_ldp(file), panorama);
+  EXPECT_THAT(verify_ldp(file), ::testing::IsEmpty());
+}
+
+TEST(GatheredColours, AreRefusedInAFileOfVersion1) {
+  std::vector<uint8_t> file = encode_ldp(scattered_panorama(), {90, LdpCodec::none});
+  file[8] = 1;
+  seal(file);
+  EXPECT_THAT(refusal([&] { decode_ldp(file); }), HasSubstr("chunk COLR of layer 2, strip 1"));
+  EXPECT_THAT(refusal([&] { decode_ldp(file); }), HasSubstr("codec: expected 0 to 2, found 3"));
+}
+
 TEST(LdpFile, BytesDoNotDependOnThreads) {
   SyntheticOptions options;
   options.width = 1500;
@@ -177,7 +249,8 @@ TEST(LdpReader, DamageInOneStripLeavesTheOthersReadable) {
   options.width = 1100;
   std::vector<uint8_t> file = encode_ldp(synthetic_panorama(options), kLossless);
   for (const LdpChunk& chunk : describe_ldp(file).chunks)
-    if (chunk.type == "DPTH" && chunk.layer == 0 && chunk.strip == 1) file[static_cast<size_t>(chunk.offset + chunk.length / 2)] ^= 1;
+    if (chunk.type == "DPTH" && chunk.layer == 0 && chunk.strip == 1)
+      file[static_cast<size_t>(chunk.offset + chunk.length / 2)] ^= 1;
   const LdpReader reader(file);
   EXPECT_NO_THROW(reader.read_layer(0, {0, 512}, true));
   EXPECT_NO_THROW(reader.read_layer(1));
@@ -188,9 +261,9 @@ TEST(LdpDescription, TellsWhatIsThereWithoutDecoding) {
   SyntheticOptions options;
   options.block_px = 8;
   const LayeredPanorama panorama = synthetic_panorama(options);
-  const std::vector<uint8_t> file = encode_ldp(panorama, {});
+  const std::vector<uint8_t> file = encode_ldp(panorama, {90, LdpCodec::webp});
   const LdpDescription description = describe_ldp(file);
-  EXPECT_EQ(description.version, kLdpVersion);
+  EXPECT_EQ(description.version, 1) << "a file without gathered colours stays readable for the first readers";
   EXPECT_EQ(description.file_bytes, file.size());
   ASSERT_EQ(description.layers.size(), 3u);
   EXPECT_EQ(description.layers[0].present_pixels, 200u * 90u);
@@ -248,7 +321,7 @@ TEST(LdpErrors, AreClearWords) {
   EXPECT_EQ(with(0, {'P'}, false), "header at offset 0: not an .ldp file");
   EXPECT_EQ(with(4, {'\n'}, false),
             "header at offset 0: the file was changed on its way: it must be transferred as binary, not as text");
-  EXPECT_EQ(with(8, {2}, true), "header at offset 0: version: expected 1, found 2 (a newer program may read it)");
+  EXPECT_EQ(with(8, {3}, true), "header at offset 0: version: expected 1 to 2, found 3 (a newer program may read it)");
   const auto head = static_cast<size_t>(describe_ldp(file).chunks[0].offset);
   const std::string where = "chunk HEAD at offset " + std::to_string(head);
   EXPECT_EQ(with(head, {0xFF, 0xFF, 0, 0, 0xFF, 0x3F, 0, 0}, true),

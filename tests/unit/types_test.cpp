@@ -95,13 +95,30 @@ TEST(Disparity, EncodingADecodedMapAgainChangesNothing) {
   EXPECT_EQ(decode_depth(encode_depth(once, 16), all), once);
 }
 
+TEST(Disparity, RangesAreAsWideAsAskedAndStillHoldTheirBlock) {
+  DisparityMap map(16, 8, 3800);
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 8; ++x) map.at(x, y) = static_cast<uint16_t>(1000 + 7 * x + y);
+  const Plane<uint8_t> all(16, 8, 1);
+  const DepthCodes depth = encode_depth(map, 8, 18);
+  const DisparityMap back = decode_depth(depth, all);
+  for (int bx = 0; bx < 2; ++bx) EXPECT_EQ(depth.ranges.at(bx, 0).high - depth.ranges.at(bx, 0).low, 18);
+  for (size_t i = 0; i < map.samples.size(); ++i) EXPECT_NEAR(back.samples[i], map.samples[i], 9);
+  EXPECT_EQ(encode_depth(map, 8, 255).ranges.at(0, 0), (BlockRange{0, 255}));
+  EXPECT_THROW(encode_depth(map, 8, 256), std::logic_error);
+}
+
 TEST(ParallelFor, VisitsEveryItemOnceAndRethrowsTheFirstFailure) {
   Job job;
   job.threads = 4;
   std::vector<int> visits(1000, 0);
   parallel_for(job, 1000, [&](int i) { ++visits[static_cast<size_t>(i)]; });
   EXPECT_EQ(visits, std::vector<int>(1000, 1));
-  EXPECT_THROW(parallel_for(job, 10, [](int i) { if (i == 3) throw Impossible("no"); }), Impossible);
+  EXPECT_THROW(parallel_for(job, 10,
+                            [](int i) {
+                              if (i == 3) throw Impossible("no");
+                            }),
+               Impossible);
 }
 
 TEST(ParallelFor, StopsWhenTheJobIsStopped) {
