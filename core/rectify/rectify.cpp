@@ -5,6 +5,7 @@
 #include <string>
 
 #include "exposure.h"
+#include "flatten.h"
 #include "resample.h"
 
 namespace ldp {
@@ -16,9 +17,10 @@ constexpr std::array<double, 3> kLuma = {0.299, 0.587, 0.114};
 RgbImage load_checked(const FrameSource& frames, int index, const Camera& camera) {
   RgbImage photo = frames.load(index);
   if (photo.width != camera.intrinsics.width || photo.height != camera.intrinsics.height) {
-    throw std::runtime_error("photo '" + camera.name + "' has " + std::to_string(photo.width) + "x" + std::to_string(photo.height) +
-                             " pixels, its camera " + std::to_string(camera.intrinsics.width) + "x" +
-                             std::to_string(camera.intrinsics.height) + ": all photos of a capture need the size given for them");
+    throw std::runtime_error("photo '" + camera.name + "' has " + std::to_string(photo.width) + "x" +
+                             std::to_string(photo.height) + " pixels, its camera " +
+                             std::to_string(camera.intrinsics.width) + "x" + std::to_string(camera.intrinsics.height) +
+                             ": all photos of a capture need the size given for them");
   }
   return photo;
 }
@@ -35,7 +37,8 @@ GainTable gain_table(float gain, double weight) {
 }
 
 Plane<uint16_t> weighted_grey(const RgbImage& photo, const Gain& gain) {
-  const GainTable r = gain_table(gain[0], kLuma[0]), g = gain_table(gain[1], kLuma[1]), b = gain_table(gain[2], kLuma[2]);
+  const GainTable r = gain_table(gain[0], kLuma[0]), g = gain_table(gain[1], kLuma[1]),
+                  b = gain_table(gain[2], kLuma[2]);
   Plane<uint16_t> grey(photo.width, photo.height);
   for (size_t i = 0; i < photo.samples.size(); ++i) {
     const Rgb p = photo.samples[i];
@@ -68,14 +71,15 @@ void fill_column(const Plane<uint16_t>& grey, const ColumnMap& map, int column, 
   frame.valid_end[static_cast<size_t>(column)] = static_cast<int16_t>(best_end);
 }
 
-UprightFrame make_upright(const RgbImage& photo, const Camera& camera, const UprightCamera& upright, const Gain& gain, const Job& job) {
+UprightFrame make_upright(const RgbImage& photo, const Camera& camera, const UprightCamera& upright, const Gain& gain,
+                          const Job& job) {
   UprightFrame frame;
   frame.camera = upright;
   frame.gain = gain;
   frame.columns = GreyImage(upright.height, upright.width);
   frame.valid_begin.resize(static_cast<size_t>(upright.width));
   frame.valid_end.resize(static_cast<size_t>(upright.width));
-  const Plane<uint16_t> grey = weighted_grey(photo, gain);
+  const Plane<uint16_t> grey = flatten(weighted_grey(photo, gain), job);
   parallel_for(job, (upright.width + kStrip - 1) / kStrip, [&](int strip) {
     const int end = std::min(upright.width, (strip + 1) * kStrip);
     for (int x = strip * kStrip; x < end; ++x) fill_column(grey, ColumnMap(camera, upright, x), x, frame);
@@ -85,8 +89,9 @@ UprightFrame make_upright(const RgbImage& photo, const Camera& camera, const Upr
 
 }  // namespace
 
-std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<Camera>& cameras, const std::vector<int>& frame_of_camera,
-                                  const std::vector<ScenePoint>& points, const Arc& arc, const Job& job) {
+std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<Camera>& cameras,
+                                  const std::vector<int>& frame_of_camera, const std::vector<ScenePoint>& points,
+                                  const Arc& arc, const Job& job) {
   if (cameras.size() != frame_of_camera.size()) throw std::logic_error("rectify: one frame index per camera is needed");
   const size_t n = cameras.size();
   std::vector<Thumbnail> thumbnails;
@@ -99,7 +104,8 @@ std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<C
   for (size_t i = 0; i < n; ++i) {
     job.report("rectify", static_cast<double>(i) / static_cast<double>(n));
     const RgbImage photo = load_checked(frames, frame_of_camera[i], cameras[i]);
-    upright.push_back(make_upright(photo, cameras[i], upright_camera(cameras[i], arc.axis(), frame_of_camera[i]), gains[i], job));
+    upright.push_back(
+        make_upright(photo, cameras[i], upright_camera(cameras[i], arc.axis(), frame_of_camera[i]), gains[i], job));
   }
   return upright;
 }

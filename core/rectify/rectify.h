@@ -5,8 +5,9 @@
 //
 // How: the upright camera keeps the photo's centre and focal length; its image spans the photo's outline, but at most
 // kMaxUprightTangent either side of its axis. Samples are Catmull-Rom interpolated at positions rounded to 1/256 pixel,
-// lens distortion included; integer from photo to sample. Gains (exposure.h) are one factor per frame and channel.
-// One photograph is in memory at a time; each is decoded twice (exposure first, then samples).
+// lens distortion included; integer from photo to sample. Slow shading is taken out first (flatten.h). Gains
+// (exposure.h) are one factor per frame and channel. One photograph is in memory at a time; each is decoded twice
+// (exposure first, then samples).
 #pragma once
 
 #include <vector>
@@ -22,8 +23,9 @@ constexpr double kMaxUprightTangent = 2.0;  // 63 degrees off the upright axis; 
 
 // cameras[i] belongs to frames.load(frame_of_camera[i]). Throws std::runtime_error naming the photo when its size does
 // not match its camera or when it looks straight up or down.
-std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<Camera>& cameras, const std::vector<int>& frame_of_camera,
-                                  const std::vector<ScenePoint>& points, const Arc& arc, const Job& job);
+std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<Camera>& cameras,
+                                  const std::vector<int>& frame_of_camera, const std::vector<ScenePoint>& points,
+                                  const Arc& arc, const Job& job);
 
 // The same photograph in colour, upright, gain applied, row-major; same geometry as the UprightFrame. Samples outside
 // the photograph repeat its border.

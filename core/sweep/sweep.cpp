@@ -9,6 +9,8 @@
 namespace ldp {
 namespace {
 
+constexpr uint8_t kForbiddenCost = 255;
+
 void check_range(const char* name, int value, int low, int high) {
   if (value < low || value > high) {
     throw std::logic_error(std::string("sweep: ") + name + " is " + std::to_string(value) + ", must be " +
@@ -35,6 +37,25 @@ class BestOfLabel final : public SlabSink {
 
 }  // namespace
 
+void Sweep::Tables::labels_seen_twice(int column, int y_begin, std::vector<uint16_t>& labels) const {
+  std::fill(labels.begin(), labels.end(), uint16_t{0});
+  Lines found;
+  for (int label = 0; label < options.labels; ++label) {
+    const int y_end = y_begin + static_cast<int>(labels.size());
+    lines.find(column, grid.inverse_depth(disparity(label)), y_begin, y_end, found);
+    std::vector<int> views(labels.size() + 1, 0);  // as changes from row to row
+    for (int k = 0; k < found.count; ++k) {
+      ++views[static_cast<size_t>(found.line[static_cast<size_t>(k)].y_begin - y_begin)];
+      --views[static_cast<size_t>(found.line[static_cast<size_t>(k)].y_end - y_begin)];
+    }
+    int seeing = 0;
+    for (size_t y = 0; y < labels.size(); ++y) {
+      seeing += views[y];
+      if (seeing > 1) labels[y] = static_cast<uint16_t>(labels[y] | 1 << label);
+    }
+  }
+}
+
 std::unique_ptr<SweepScratch> Sweep::Tables::take_scratch() {
   const std::lock_guard lock(mutex);
   if (idle.empty()) return std::make_unique<SweepScratch>();
@@ -52,7 +73,8 @@ Sweep::Sweep(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid,
              const std::vector<VisibilityMap>& visibility, const DisparityMap& behind, const SweepOptions& options) {
   check_range("labels", options.labels, 2, kLabels);
   check_range("substeps", options.substeps, 1, 16);
-  check_range("prior_cost", options.prior_cost, 0, 255);
+  check_range("prior_cost", options.prior_cost, 0, 254);
+  check_range("margin", options.margin, 0, 255);
   if (!visibility.empty() && visibility.size() != frames.size())
     throw std::logic_error("sweep: one visibility map per frame is needed");
   if (!behind.empty() && (behind.width != grid.width || behind.height != grid.height)) {
@@ -99,6 +121,7 @@ void Sweep::read(const Window& window, uint8_t* cost, uint8_t* median) const {
   }
   t.give_back(std::move(scratch));
   if (t.behind) forbid_front(window, cost);
+  rate_unmatched(window, cost);
 }
 
 // A label is behind the layers in front only if its whole interval is.
@@ -111,8 +134,28 @@ void Sweep::forbid_front(const Window& window, uint8_t* cost) const {
       const uint16_t front = t.behind->at(column, window.y + y);
       if (front == kNoDisparity) continue;
       for (int label = 0; label < labels; ++label) {
-        if ((2 * label + 1) * kDisparitySteps >= 2 * (labels - 1) * front) cost[label] = 255;
+        if ((2 * label + 1) * kDisparitySteps >= 2 * (labels - 1) * front) cost[label] = kForbiddenCost;
       }
+    }
+  }
+}
+
+// Labels that fewer than two cameras see cannot be matched. Dear, they would draw the surface to where two cameras see,
+// along the border of the outermost photo; so they cost little more than the ray's best match, and smoothness decides.
+void Sweep::rate_unmatched(const Window& window, uint8_t* cost) const {
+  const Tables& t = *tables_;
+  const auto labels = static_cast<size_t>(t.options.labels);
+  std::vector<uint16_t> matched(static_cast<size_t>(window.height));  // a bit per label
+  for (int x = 0; x < window.width; ++x) {
+    t.labels_seen_twice(window.x + x, window.y, matched);
+    for (const uint16_t seen : matched) {
+      int least = t.options.prior_cost;
+      for (size_t l = 0; l < labels; ++l)
+        if (seen >> l & 1) least = std::min<int>(least, cost[l]);
+      const auto most = static_cast<uint8_t>(std::min(least + t.options.margin, t.options.prior_cost));
+      for (size_t l = 0; l < labels; ++l)
+        if (!(seen >> l & 1) && cost[l] != kForbiddenCost) cost[l] = std::min(cost[l], most);
+      cost += labels;
     }
   }
 }

@@ -20,6 +20,7 @@ struct SweepOptions {
   int labels = kLabels;
   int substeps = 8;     // depths tried inside each label's interval, the best kept
   int prior_cost = 36;  // phi of a voxel that one camera sees, in 1/kCostScale grey levels
+  int margin = 4;       // what fewer than two cameras can see costs at most so much more than the ray's best match
 };
 
 class Sweep final : public CostSource {
@@ -41,6 +42,7 @@ class Sweep final : public CostSource {
 
  private:
   void forbid_front(const Window& window, uint8_t* cost) const;
+  void rate_unmatched(const Window& window, uint8_t* cost) const;
   struct Tables;
   std::unique_ptr<Tables> tables_;
 };

@@ -31,6 +31,9 @@ struct Sweep::Tables {
   std::unique_ptr<SweepScratch> take_scratch();
   void give_back(std::unique_ptr<SweepScratch> scratch);
 
+  // Per row from y_begin on, a bit for each label whose middle at least two cameras have inside their photos.
+  void labels_seen_twice(int column, int y_begin, std::vector<uint16_t>& labels) const;
+
   double disparity(double label) const { return label * kDisparitySteps / (options.labels - 1); }
 };
 

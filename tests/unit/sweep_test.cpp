@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "simple_capture.h"
@@ -91,6 +93,56 @@ TEST(Sweep, LabelsInFrontOfTheLayerBeforeAreForbidden) {
   const Sweep sweep(frames, grid, {}, front, {});
   const Costs costs = read(sweep, {50, 30, 1, 1});
   for (size_t label = 0; label < 16; ++label) EXPECT_EQ(costs.cost[label] == 255, label >= 8) << label;
+}
+
+// How many cameras have the voxel well inside their photos, and how many may have it on their border.
+std::pair<int, int> cameras_seeing(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, int x, int y,
+                                   double w) {
+  int inside = 0, maybe = 0;
+  const double theta = grid.theta(x + 0.5), v = grid.v(y + 0.5);
+  const Eigen::Vector3d outward(std::cos(theta), std::sin(theta), 0);
+  for (const UprightFrame& frame : frames) {
+    const UprightCamera& camera = frame.camera;
+    const Eigen::Vector3d q = (outward - camera.centre) * w + outward + v * Eigen::Vector3d::UnitZ();
+    const double scale = camera.focal / q.dot(camera.forward);
+    const double border =
+        std::min({scale * q.dot(camera.right) + camera.cx, camera.width - scale * q.dot(camera.right) - camera.cx,
+                  camera.cy - scale * q.z(), camera.height - camera.cy + scale * q.z()});
+    inside += border > 2;
+    maybe += border > -1;
+  }
+  return {inside, maybe};
+}
+
+TEST(Sweep, WhatFewerThanTwoCamerasSeeCostsLittleMoreThanTheBestMatch) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  const std::vector<UprightFrame> frames = {picture_of_cylinder(0.2, 0.25, 0), picture_of_cylinder(-0.2, 0.25, 1)};
+  SweepOptions dear;
+  dear.margin = 255;
+  const Window whole{0, 0, grid.width, grid.height};
+  const Costs costs = read(Sweep(frames, grid, {}, {}, {}), whole),
+              old = read(Sweep(frames, grid, {}, {}, dear), whole);
+  int unmatched = 0;
+  for (int p = 0; p < grid.width * grid.height; ++p) {
+    const uint8_t *cost = costs.cost.data() + p * 16, *before = old.cost.data() + p * 16;
+    int least = dear.prior_cost;
+    bool sure = true;
+    std::array<bool, 16> twice{};
+    for (int label = 0; label < 16; ++label) {
+      const double w = grid.inverse_depth(label * kDisparitySteps / 15.0);
+      const auto [inside, maybe] = cameras_seeing(frames, grid, p / grid.height, p % grid.height, w);
+      twice[static_cast<size_t>(label)] = inside > 1;
+      sure = sure && (inside > 1) == (maybe > 1);
+      if (inside > 1) least = std::min<int>(least, before[label]);
+    }
+    for (int label = 0; sure && label < 16; ++label) {
+      const bool matched = twice[static_cast<size_t>(label)];
+      const int wanted = matched ? before[label] : std::min<int>(before[label], std::min(least + 4, dear.prior_cost));
+      ASSERT_EQ(cost[label], wanted) << p << " label " << label;
+      unmatched += !matched && wanted < dear.prior_cost;
+    }
+  }
+  EXPECT_GT(unmatched, 500);
 }
 
 TEST(Sweep, RefusesOptionsOutsideTheirRange) {

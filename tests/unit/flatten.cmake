@@ -1,0 +1,1 @@
+ldp_test(flatten_test SOURCES flatten_test.cpp USES ldp_rectify)
