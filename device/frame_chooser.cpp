@@ -50,10 +50,10 @@ Verdict FrameChooser::offer(const OfferedFrame& frame) {
   seen.step = step_to(seen.thumbnail, &tilt_);
   if (seen.step > wanted && held_) {
     verdict.store_held = true;
-    const double step_of_held = held_->step;
+    const double beyond = seen.step - held_->step;
     keep(*held_);
     previous_.reset();
-    seen.step -= step_of_held;
+    seen.step = step_seen(seen.thumbnail, &tilt_).value_or(beyond);
   }
   if (seen.step > wanted && frames_ < options_.max_frames) {
     verdict.store_this = true;
@@ -79,8 +79,14 @@ bool FrameChooser::finish() {
 
 // Turn since the reference in the sweep's direction, in shares of the image width.
 double FrameChooser::step_to(const GreyImage& thumbnail, double* tilt_px) {
+  const auto seen = step_seen(thumbnail, tilt_px);
+  return seen ? *seen : step_along(thumbnail, tilt_px);
+}
+
+// None for a frame that does not show what the reference shows.
+std::optional<double> FrameChooser::step_seen(const GreyImage& thumbnail, double* tilt_px) {
   const Shift direct = estimate_shift(reference_->thumbnail, thumbnail);
-  if (direct.match < kGoodMatch && previous_) return step_along(thumbnail, tilt_px);
+  if (direct.match < kGoodMatch) return std::nullopt;
   blind_ = false;
   astray_ = 0;
   *tilt_px = tilt_before_ + direct.dy_px;
@@ -88,7 +94,7 @@ double FrameChooser::step_to(const GreyImage& thumbnail, double* tilt_px) {
   return direction_ == 0 ? std::abs(left) : direction_ * left;
 }
 
-// The same for a frame that does not show what the reference shows: by way of the frame before.
+// By way of the frame before.
 double FrameChooser::step_along(const GreyImage& thumbnail, double* tilt_px) {
   const Shift chained = estimate_shift(previous_->thumbnail, thumbnail);
   if (chained.match < kGoodMatch) {

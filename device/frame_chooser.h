@@ -53,6 +53,7 @@ class FrameChooser {
   };
 
   double step_to(const GreyImage& thumbnail, double* tilt_px);
+  std::optional<double> step_seen(const GreyImage& thumbnail, double* tilt_px);
   double step_along(const GreyImage& thumbnail, double* tilt_px);
   void keep(const Seen& seen);
   bool consider(const Seen& seen);

@@ -208,6 +208,9 @@ class LdpdTest : public testing::Test {
   fs::path room_;
 };
 
+// With `hold=no` the sweep ends with the camera's last picture, however long it takes.
+constexpr const char* kUntilTheCameraEnds = "press wait 300000 release";
+
 int kills() {
   const char* const wanted = std::getenv("LDP_KILLS");
   return wanted != nullptr ? std::atoi(wanted) : 10;
@@ -425,12 +428,13 @@ TEST_F(LdpdTest, KilledAtAnyMomentNothingStoredIsLostAndTheNextStartBuildsIt) {
 
 TEST_F(LdpdTest, ABuildKilledAtAnyMomentIsAFailureAndTheServiceGoesOn) {
   build_program("echo $$ > \"$capture.pid\"; echo '0.2 poses' >&3; sleep 0.3");
+  script(kUntilTheCameraEnds);
   std::mt19937 random(2);
   for (int i = 0; i < (kills() > 10 ? kills() : 2); ++i) {
     SCOPED_TRACE("kill " + std::to_string(i));
     fs::remove_all(room_ / "out");
     fs::remove(room_ / "said");
-    Process service(command({}), room_ / "said");
+    Process service(command({}, "&hold=no"), room_ / "said");
     const fs::path pid_file = capture().string() + ".pid";
     ASSERT_TRUE(service.says("building sweep_000001")) << text_of(room_ / "said");
     while (text_of(pid_file).find('\n') == std::string::npos) std::this_thread::sleep_for(milliseconds(2));
@@ -449,14 +453,14 @@ TEST_F(LdpdTest, ABuildKilledAtAnyMomentIsAFailureAndTheServiceGoesOn) {
     EXPECT_TRUE(again.says("sweep_000001.ldp is ready")) << "the next start does not try again";
     again.stop(SIGTERM);
     expect_whole(true);
-    script("press wait 700 release");
+    script(kUntilTheCameraEnds);
   }
 }
 
 // The same with ldp itself: killed at any moment of its work it leaves nothing behind, and the panorama that a later
 // start builds is, byte by byte, that of a build in peace.
 TEST_F(LdpdTest, LdpKilledAtAnyMomentOfItsBuildIsBegunAgainByTheNextStart) {
-  script("press wait 300000 release");
+  script(kUntilTheCameraEnds);
   const std::string scene = "scene:garden?fps=1000&hold=no&width=160&height=120";
   fs::create_directories(room_ / "out");
   const Finished captured = Process({LDP_DEVICE_PROGRAM, "capture", "--camera", scene, "--button",
@@ -521,16 +525,21 @@ TEST_F(LdpdTest, ADiskThatFillsUpKeepsEveryFrameThatWasStored) {
   for (int left_kib = 0; left_kib <= 240; left_kib += kills() >= 100 ? 4 : 40) {
     SCOPED_TRACE(left_kib);
     for (const char* const said : {"said", "said2"}) fs::remove(room_ / said);
-    script("press wait 400 release");
+    script(kUntilTheCameraEnds);
     const std::string filler = "(until [ -e " + out +
                                "/sweep_000001 ]; do sleep 0.002; done; head -c $(($(df -k --output=avail " + out +
                                " | tail -1) - " + std::to_string(left_kib) + "))K /dev/zero > " + out + "/filler) & ";
+    // The second run ends when there is nothing left to build.
+    const std::string wait_for_build = "if [ $(ls " + out + "/sweep_000001 | grep -c jpg) -ge 3 ] && [ ! -e " + out +
+                                       "/sweep_000001.ldp ]; then until [ -e " + out +
+                                       "/sweep_000001.ldp ] || [ $((tries++)) = 3000 ]; do sleep 0.01; done; fi; ";
+    const std::string said2 = (room_ / "said2").string();
     const std::string line = "mount -t tmpfs -o size=32m none " + out + " || exit 99; " + filler +
-                             run(command({"--once", "--status", "console:"})) + "; status=$?; ls " + out +
-                             "/sweep_000001 > " + (room_ / "listed").string() + "; rm -f " + out +
-                             "/filler; echo 'wait 1' > " + (room_ / "script").string() + "; timeout 1 " +
-                             run(command({})) + " 2> " + (room_ / "said2").string() + "; cp -r " + out + " " + copy +
-                             "; exit $status";
+                             run(command({"--once", "--status", "console:"}, "&hold=no")) + "; status=$?; rm -f " +
+                             out + "/filler; echo 'wait 1' > " + (room_ / "script").string() + "; " + run(command({})) +
+                             " 2> " + said2 + " & service=$!; until grep -q ready " + said2 + " || ! kill -0 $service" +
+                             "; do sleep 0.01; done; " + wait_for_build + "kill $service; wait $service; cp -r " + out +
+                             " " + copy + "; exit $status";
     const Finished first = Process({"unshare", "-rm", "bash", "-c", line}, room_ / "said").wait();
     if (first.status == 99 || first.status == 127 || first.said.find("unshare") != std::string::npos) {
       GTEST_SKIP() << "no small disk can be mounted here: " << first.said;

@@ -167,6 +167,13 @@ TEST(FrameChoice, AfterAJumpFromRestTheFirstClearFramesAreKeptAndTheSweepGoesOn)
   for (size_t i = 2; i < kept.positions.size(); ++i) EXPECT_LE(kept.positions[i] - kept.positions[i - 1], 26);
 }
 
+TEST(FrameChoice, APictureAfterAJumpInMidSweepIsKeptOnce) {
+  for (const int px_per_frame : {1, 2, 3, 4, 5}) {
+    const auto position = [&](int i) { return i < 4 ? 100.0 + px_per_frame * i : 300.0; };
+    EXPECT_EQ(sweep_over(60, 30, position, kAllSharp).positions.size(), 2U) << px_per_frame;
+  }
+}
+
 TEST(FrameChoice, ASmearedFrameIsNoJump) {
   const GreyImage world = landscape(1000, 100, 7), smear(96, 72, 90);
   FrameChooser chooser({});
