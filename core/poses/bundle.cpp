@@ -52,8 +52,8 @@ Distorted distort(const Eigen::Vector2d& n, double k1, double k2) {
 template <Model kModel>
 class Reprojection : public ceres::CostFunction {
  public:
-  Reprojection(const Eigen::Vector2d& position_px, const DirectionFrame& frame)
-      : position_px_(position_px), frame_(frame) {
+  Reprojection(const Eigen::Vector2d& position_px, double weight, const DirectionFrame& frame)
+      : position_px_(position_px), weight_(weight), frame_(frame) {
     set_num_residuals(2);
     *mutable_parameter_block_sizes() = kFree ? std::vector<int>{4, 3, 3, 3} : std::vector<int>{4, 3, kPointSize};
   }
@@ -72,12 +72,12 @@ class Reprojection : public ceres::CostFunction {
     const Eigen::Vector2d n = p.head<2>() / p.z();
     const Distorted d = distort(n, lens[1], lens[2]);
     const double focal = std::exp(lens[0]);
-    Eigen::Map<Eigen::Vector2d>(residuals, 2) = focal * d.position - position_px_;
+    Eigen::Map<Eigen::Vector2d>(residuals, 2) = weight_ * (focal * d.position - position_px_);
     if (!jacobians) return true;
 
     Eigen::Matrix<double, 2, 3> n_by_p;
     n_by_p << 1 / p.z(), 0, -n.x() / p.z(), 0, 1 / p.z(), -n.y() / p.z();
-    const Eigen::Matrix<double, 2, 3> by_p = focal * d.by_undistorted * n_by_p;
+    const Eigen::Matrix<double, 2, 3> by_p = weight_ * focal * d.by_undistorted * n_by_p;
     if (jacobians[0]) {
       const Eigen::Matrix<double, 2, 3> by_turn = -by_p * cross_matrix(turned);
       Eigen::Map<RowMajor24>(jacobians[0], 2, 4) = 2 * by_turn * quaternion_by_turn(q).transpose();
@@ -86,7 +86,7 @@ class Reprojection : public ceres::CostFunction {
     if (jacobians[kLens]) {
       RowMajor23 by_lens;
       by_lens << focal * d.position, focal * d.squared * n, focal * d.squared * d.squared * n;
-      Eigen::Map<RowMajor23>(jacobians[kLens], 2, 3) = by_lens;
+      Eigen::Map<RowMajor23>(jacobians[kLens], 2, 3) = weight_ * by_lens;
     }
     if (jacobians[kPoint]) {
       Eigen::Matrix<double, 3, kPointSize> p_by_point;
@@ -113,6 +113,7 @@ class Reprojection : public ceres::CostFunction {
   static constexpr int kLens = kFree ? 2 : 1, kPoint = kLens + 1, kPointSize = kModel == Model::rotation ? 2 : 3;
 
   Eigen::Vector2d position_px_;
+  double weight_;
   DirectionFrame frame_;
 };
 
@@ -213,11 +214,13 @@ void add_residuals(const Bundle& bundle, const BundleOptions& options, Blocks& b
     double *rotation = blocks.rotation(camera), *p = blocks.point(point), *lens = blocks.lens();
     const DirectionFrame& frame = blocks.frames[point];
     if (options.model == Model::rotation) {
-      problem.AddResidualBlock(new Reprojection<Model::rotation>(o.position_px, frame), loss, rotation, lens, p);
+      problem.AddResidualBlock(new Reprojection<Model::rotation>(o.position_px, o.weight, frame), loss, rotation, lens,
+                               p);
     } else if (options.model == Model::spherical) {
-      problem.AddResidualBlock(new Reprojection<Model::spherical>(o.position_px, frame), loss, rotation, lens, p);
+      problem.AddResidualBlock(new Reprojection<Model::spherical>(o.position_px, o.weight, frame), loss, rotation, lens,
+                               p);
     } else {
-      problem.AddResidualBlock(new Reprojection<Model::free>(o.position_px, frame), loss, rotation,
+      problem.AddResidualBlock(new Reprojection<Model::free>(o.position_px, o.weight, frame), loss, rotation,
                                blocks.centre(camera), lens, p);
     }
   }

@@ -23,6 +23,7 @@ struct Lens {
 struct BundleObservation {
   int camera = 0, point = 0;
   Eigen::Vector2d position_px = Eigen::Vector2d::Zero();  // from the principal point
+  double weight = 1;                                      // of the residual: inverse deviation
 };
 
 struct Bundle {
@@ -44,13 +45,13 @@ struct BundleOptions {
   bool refine_focal = true;
   bool refine_distortion = false;
   std::optional<FocalPrior> focal_prior;
-  double loss_px = 1;      // Cauchy scale
+  double loss_px = 1;      // Cauchy scale, at weight 1
   double arc_sigma = 0.2;  // of a free centre about its place on the sphere, radii
   int most_iterations = 50;
 };
 
 struct BundleSummary {
-  double cost = 0;  // half the sum of robust squared residuals, pixels^2
+  double cost = 0;  // half the sum of robust weighted squared residuals, pixels^2
   int iterations = 0;
   bool usable = false;
 };

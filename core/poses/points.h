@@ -24,6 +24,7 @@ struct Observation {
   int frame = 0;
   int feature = -1;                                       // -1: not a feature but followed (follow.h)
   Eigen::Vector2d position_px = Eigen::Vector2d::Zero();  // in the photograph, from its middle
+  double weight = 1;                                      // inverse deviation, against that of a feature
 };
 
 using Track = std::vector<Observation>;  // sorted by frame, one observation per frame, at least two

@@ -92,7 +92,7 @@ std::vector<Start> best_of(std::vector<Start> candidates, size_t most) {
 void add(const Track& track, const InversePoint& point, Bundle& bundle) {
   const int index = static_cast<int>(bundle.points.size());
   bundle.points.push_back(point);
-  for (const Observation& o : track) bundle.observations.push_back({o.frame, index, o.position_px});
+  for (const Observation& o : track) bundle.observations.push_back({o.frame, index, o.position_px, o.weight});
 }
 
 bool believable(const InversePoint& point) {
