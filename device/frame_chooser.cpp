@@ -109,10 +109,12 @@ double FrameChooser::step_along(const GreyImage& thumbnail, double* tilt_px) {
 }
 
 void FrameChooser::keep(const Seen& seen) {
-  if (reference_ && direction_ == 0) {
-    direction_ = estimate_shift(reference_->thumbnail, seen.thumbnail).dx_px <= 0 ? 1 : -1;
+  if (reference_) {
+    const Shift shift = estimate_shift(reference_->thumbnail, seen.thumbnail);
+    const bool sure = shift.match >= kGoodMatch;  // a direction taken from anything else could be the wrong one
+    if (sure && direction_ == 0) direction_ = shift.dx_px <= 0 ? 1 : -1;
+    if (sure) tilt_before_ += shift.dy_px;
   }
-  if (reference_) tilt_before_ += estimate_shift(reference_->thumbnail, seen.thumbnail).dy_px;
   turned_before_ += seen.step;
   reference_ = seen;
   reference_->step = 0;

@@ -174,6 +174,15 @@ TEST(FrameChoice, APictureAfterAJumpInMidSweepIsKeptOnce) {
   }
 }
 
+TEST(FrameChoice, AJumpThatNothingIsKnownOfDoesNotDecideTheDirection) {
+  for (int jump_px = 150; jump_px <= 400; jump_px += 25) {
+    const auto position = [&](int i) { return i < 10 ? 100.0 : 100.0 + jump_px + 2 * (i - 10); };
+    const Kept kept = sweep_over(80, 30, position, kAllSharp);
+    EXPECT_GE(kept.positions.size(), 7U) << jump_px;
+    EXPECT_NE(kept.last.advice, Advice::turn_back) << jump_px;
+  }
+}
+
 TEST(FrameChoice, ASmearedFrameIsNoJump) {
   const GreyImage world = landscape(1000, 100, 7), smear(96, 72, 90);
   FrameChooser chooser({});
