@@ -11,6 +11,7 @@
 #include "debug_pictures.h"
 #include "exact_math.h"
 #include "layers.h"
+#include "memory.h"
 #include "rectify.h"
 #include "sweep.h"
 
@@ -28,6 +29,7 @@ void check(const BuildOptions& options) {
   require(options.block_px >= 0, "block_px", options.block_px, "0 or more");
 }
 
+constexpr double kCoarser = 1.1, kCoarsest = 2;  // steps of the panorama's pitch, and its limit, to save memory
 constexpr int kSilhouettePx = 4;  // by so much the sweep's windows may widen a near surface, and the cut a little more
 
 // Adds the time since its making, or since the last lap, to a stage of the report.
@@ -82,11 +84,34 @@ class Build {
     grid.rays = options_.rays;
     grid.near_depth = options_.near_depth;
     grid.far_depth = options_.far_depth;
-    grid_ = lay_grid(report_.arc.arc, poses_.cameras, poses_.points, grid);
     watch_.lap("arc");
-    upright_ = rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, grid_.arc, job_);
+    upright_ = rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc, job_);
     watch_.lap("rectify");
+    grid_ = finest_grid_in_memory(grid);
+    watch_.lap("arc");
   }
+
+  PanoramaGrid finest_grid_in_memory(GridOptions options) {
+    size_t upright_px = 0;
+    for (const UprightFrame& frame : upright_) upright_px += frame.columns.samples.size();
+    for (;; options.pitch_px *= kCoarser) {
+      PanoramaGrid grid = lay_grid(report_.arc.arc, poses_.cameras, poses_.points, options);
+      const size_t panorama_px = static_cast<size_t>(grid.width) * static_cast<size_t>(grid.height);
+      const size_t needed = expected_peak_bytes(panorama_px, upright_px, options_.layers);
+      if (options_.memory_bytes == 0 || needed <= options_.memory_bytes) {
+        if (options.pitch_px > 1)
+          report_.notes.push_back("to fit the memory allowed, a pixel of the panorama spans " +
+                                  std::to_string(options.pitch_px).substr(0, 4) + " of the photos'");
+        return grid;
+      }
+      if (options.pitch_px > kCoarsest)
+        throw Impossible("this sweep needs at least " + mebibytes(needed) + " of memory, " +
+                         mebibytes(options_.memory_bytes) +
+                         " are allowed (--memory): allow more or use smaller photos");
+    }
+  }
+
+  static std::string mebibytes(size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; }
 
   void one_far_layer() {
     report_.notes.push_back("no parallax was found: one far layer");

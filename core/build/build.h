@@ -25,7 +25,7 @@ struct BuildOptions {
   Rays rays = Rays::pushbroom;
   int block_px = 16;                     // of the depth codes; 0 = uniform codes
   double near_depth = 0, far_depth = 0;  // capture's unit; 0 = from the points
-  size_t memory_bytes = size_t{128} << 20;
+  size_t memory_bytes = 0;               // of the whole process from the poses on, by a coarser pitch; 0 = no limit
   PosesOptions poses;
   std::vector<Camera> cameras;  // empty = estimate
   std::string debug_directory;  // empty = no pictures
@@ -50,7 +50,8 @@ struct BuildResult {
   BuildReport report;
 };
 
-// Throws Impossible (too few frames connected), Cancelled, std::runtime_error (unreadable frame), std::logic_error.
+// Throws Impossible (too few frames connected, too little memory), Cancelled, std::runtime_error (unreadable frame),
+// std::logic_error.
 BuildResult build(const FrameSource& frames, const BuildOptions& options, const Job& job);
 
 }  // namespace ldp

@@ -54,9 +54,11 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
   command.add_option("--quality", setup.colour_quality, "Of colour, 1 to 100; 101 = lossless")
       ->check(CLI::Range(1, 101))
       ->capture_default_str();
-  command.add_option("--memory", build.memory_bytes, "Memory to work in, such as 128M")
+  command
+      .add_option("--memory", build.memory_bytes,
+                  "Memory to work in, such as 128M, by a coarser panorama; 0 = as much as it takes")
       ->transform(CLI::AsSizeValue(false))
-      ->default_str("128M");
+      ->default_str("0");
 }
 
 PreparedBuild prepare(const BuildSetup& setup) {

@@ -44,18 +44,21 @@ struct Outcome {
 
 class Running {
  public:
-  Running(const std::vector<std::string>& words, const fs::path& room) : out_(room / "stdout"), err_(room / "stderr") {
+  // `through`: a program, found on the path, that runs the rest of its command line.
+  Running(const std::vector<std::string>& words, const fs::path& room, const std::vector<std::string>& through = {})
+      : out_(room / "stdout"), err_(room / "stderr") {
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC;
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out_.c_str(), kFlags, 0600);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err_.c_str(), kFlags, 0600);
-    std::vector<std::string> all{LDP_PROGRAM};
+    std::vector<std::string> all = through;
+    all.emplace_back(LDP_PROGRAM);
     all.insert(all.end(), words.begin(), words.end());
     std::vector<char*> arguments;
     for (std::string& word : all) arguments.push_back(word.data());
     arguments.push_back(nullptr);
-    if (posix_spawn(&pid_, LDP_PROGRAM, &actions, nullptr, arguments.data(), environ) != 0)
+    if (posix_spawnp(&pid_, all[0].c_str(), &actions, nullptr, arguments.data(), environ) != 0)
       throw std::runtime_error("cannot start " LDP_PROGRAM);
     posix_spawn_file_actions_destroy(&actions);
   }
@@ -103,9 +106,10 @@ class Flow : public testing::Test {
     write_file(path(name), encode_jpeg(image, 90));
   }
   // One line that names the command and says where; the right status; nothing left but what was there.
-  void expect_refusal(const std::vector<std::string>& words, int status, const std::string& says) const {
+  void expect_refusal(const std::vector<std::string>& words, int status, const std::string& says,
+                      const std::vector<std::string>& through = {}) const {
     const auto before = contents();
-    const Outcome outcome = ldp(words);
+    const Outcome outcome = Running(words, room_, through).wait();
     EXPECT_EQ(outcome.status, status) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr(says));
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
@@ -197,10 +201,32 @@ TEST_F(Flow, RefusesAnOutputThatCannotBeWrittenBeforeTheWorkBegins) {
   photo("photos/a.jpg");
   expect_refusal({"build", path("photos"), "-o", path("missing/a.ldp")}, 2, "its folder does not exist");
   expect_refusal({"build", path("photos"), "-o", path("photos")}, 2, "is a folder");
-  if (::geteuid() == 0) GTEST_SKIP() << "read-only folders do not stop the administrator";
   fs::create_directory(path("locked"));
   fs::permissions(path("locked"), fs::perms::owner_read | fs::perms::owner_exec);
-  expect_refusal({"build", path("photos"), "-o", path("locked/a.ldp")}, 2, "cannot be written");
+  std::vector<std::string> through;  // read-only folders do not stop the administrator, unless this right is given up
+  if (::geteuid() == 0) through = {"setpriv", "--bounding-set=-dac_override,-dac_read_search"};
+  expect_refusal({"build", path("photos"), "-o", path("locked/a.ldp")}, 2, "cannot be written", through);
+}
+
+TEST_F(Flow, LittleMemoryMakesACoarserPanoramaAndTooLittleIsRefused) {
+  const std::string from = capture();
+  expect_refusal({"build", from, "-o", path("a.ldp"), "--cameras", from + "/transforms.json", "--memory", "1M"}, 1,
+                 "needs at least");
+  const auto built = [&](const std::string& memory) {
+    const Outcome outcome =
+        ldp({"build", from, "-o", path("a.ldp"), "--cameras", from + "/transforms.json", "--memory", memory, "--json"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const Outcome info = ldp({"info", path("a.ldp"), "--json"});
+    return std::pair(nlohmann::json::parse(info.out)["grid"]["width"].get<int>(),
+                     nlohmann::json::parse(outcome.out)["notes"]);
+  };
+  const auto [width, notes] = built("0");
+  const auto [coarser, reasons] = built("46M");
+  EXPECT_LT(coarser, width);
+  EXPECT_GT(coarser, 0.4 * width);
+  EXPECT_EQ(notes.size(), 0U);
+  ASSERT_EQ(reasons.size(), 1U);
+  EXPECT_THAT(reasons[0].get<std::string>(), HasSubstr("to fit the memory allowed"));
 }
 
 TEST_F(Flow, RefusesAPanoramaThatWasCutShortOrChanged) {
