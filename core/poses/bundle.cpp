@@ -277,7 +277,7 @@ BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& jo
   solver.linear_solver_type = ceres::DENSE_SCHUR;
   solver.num_threads = 1;
   solver.max_num_iterations = options.most_iterations;
-  solver.function_tolerance = 1e-6;
+  solver.function_tolerance = options.settled;
   solver.logging_type = ceres::SILENT;
   StopCheck stop(job);
   solver.callbacks.push_back(&stop);

@@ -48,6 +48,7 @@ struct BundleOptions {
   double loss_px = 1;      // Cauchy scale, at weight 1
   double arc_sigma = 0.2;  // of a free centre about its place on the sphere, radii
   int most_iterations = 50;
+  double settled = 1e-6;  // share by which the last step lowered the cost
 };
 
 struct BundleSummary {

@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "doubts.h"
 #include "keypoints.h"
 #include "pairs.h"
 #include "reconstruct.h"
@@ -222,6 +223,9 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
     report.reason = found.dropped[i];
   }
   report_errors(found.bundle, chosen.frame, poses.report);
+  std::vector<std::string> names;
+  for (const int i : chosen.frame) names.push_back(frames[static_cast<size_t>(i)].name);
+  poses.report.doubt = doubt(chosen.sweep, found, names);
   job.report("poses", 1);
   return poses;
 }

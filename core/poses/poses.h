@@ -39,6 +39,7 @@ struct PosesReport {
   std::vector<FrameReport> frames;
   double reprojection_px = 0;  // root mean square over all inliers
   int points = 0;
+  std::string doubt;  // why the poses may be wrong though their points fit, naming photos; empty when nothing says so
 };
 
 struct Poses {

@@ -27,10 +27,11 @@ constexpr double kNoArc = 1e3;                       // for paths that are none
 constexpr double kBetter = 1.2;                      // by so much more must other motion explain to be preferred
 constexpr double kEnough = 0.75;  // share of the observations that must fit, else other motion is tried
 constexpr double kLossOfTolerance = 0.3, kLargestLoss = 0.8;  // pixels of 800
-constexpr size_t kRich = 1000;  // observations per frame that make a second look for matches needless
-constexpr int kThin = 250;      // and those that do for the first rounds, the longest tracks first
-constexpr int kHeld = 150;      // followed observations that a frame is content with
-constexpr double kBends = 20;   // variances by which free distortion must lower the cost to be believed
+constexpr size_t kRich = 1000;                 // observations per frame that make a second look for matches needless
+constexpr int kThin = 250;                     // and those that do for the first rounds, the longest tracks first
+constexpr int kHeld = 150;                     // followed observations that a frame is content with
+constexpr double kRough = 1e-4, kFine = 1e-6;  // where rounds end whose points the next places anew, and the others
+constexpr double kBends = 20;                  // variances by which free distortion must lower the cost to be believed
 
 // Frames that hang together by matches, the largest such group; the others are dropped with a reason.
 std::vector<std::string> loose_frames(const MatchedSweep& sweep) {
@@ -93,6 +94,7 @@ class Rounds {
     place(tracks, tolerance, r);
     options_.loss_px = sweep_.pixels(std::min(kLossOfTolerance * tolerance, kLargestLoss));
     options_.arc_sigma = std::max(arc_sigma, least_sigma_);
+    options_.settled = tolerance > kMatched[2] ? kRough : kFine;
 
     cost_ = adjust(r.bundle, options_, job_).cost;
   }

@@ -59,6 +59,7 @@ Json poses_json(const PosesReport& poses) {
   json["posed"] = std::count_if(poses.frames.begin(), poses.frames.end(), [](const FrameReport& f) { return f.posed; });
   json["points"] = poses.points;
   json["reprojection_px"] = poses.reprojection_px;
+  json["doubt"] = poses.doubt;
   json["frames"] = Json::array();
   for (const FrameReport& frame : poses.frames) {
     json["frames"].push_back({{"name", frame.name},

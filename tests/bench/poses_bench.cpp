@@ -196,6 +196,7 @@ void run(const Arguments& arguments) {
         s.centre_median, s.centre_max, s.rotation_median, s.focal);
   }
   print_arc(poses.cameras, poses.points);
+  if (!report.doubt.empty()) std::printf("    doubt: %s\n", report.doubt.c_str());
   if (arguments.verbose) print_frames(report);
   if (!arguments.output.empty()) write_cameras(arguments.output, poses.cameras);
 }
@@ -294,6 +295,7 @@ bool run_sweep(unsigned seed, const Arguments& arguments) {
                 good ? "good  " : "FAILED", poses.cameras.size(), word(poses.report.motion),
                 poses.report.closed ? " closed" : "", poses.report.reprojection_px, s.centre_median, s.centre_max,
                 s.rotation_median, s.focal);
+    if (!poses.report.doubt.empty()) std::printf("    doubt: %s\n", poses.report.doubt.c_str());
     if (arguments.verbose) print_frames(poses.report);
   } catch (const Impossible& e) {
     std::printf("FAILED impossible: %s\n", e.what());

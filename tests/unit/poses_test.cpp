@@ -9,6 +9,7 @@
 #include <random>
 
 #include "bundle.h"
+#include "doubts.h"
 #include "follow.h"
 #include "guided.h"
 #include "matches.h"
@@ -250,6 +251,74 @@ INSTANTIATE_TEST_SUITE_P(EveryModel, Adjust, testing::Values(Model::rotation, Mo
                                   : model.param == Model::spherical ? "spherical"
                                                                     : "free";
                          });
+
+// A sweep whose features and matches are those of a known bundle.
+struct KnownSweep {
+  MatchedSweep sweep;
+  Reconstruction found;
+  std::vector<std::string> names;
+
+  KnownSweep() {
+    found.bundle = true_bundle(Model::free);
+    const size_t frames = found.bundle.cameras.size();
+    found.dropped.resize(frames);
+    found.tracks.resize(found.bundle.points.size());
+    sweep.features.resize(frames);
+    for (size_t i = 0; i < frames; ++i) {
+      sweep.features[i].width = sweep.features[i].height = 800;
+      names.push_back("photo " + std::to_string(i));
+    }
+    for (const BundleObservation& o : found.bundle.observations) {
+      Features& features = sweep.features[static_cast<size_t>(o.camera)];
+      features.positions.emplace_back(o.position_px + Eigen::Vector2d(400, 400));
+      found.tracks[static_cast<size_t>(o.point)].push_back({o.camera, features.size() - 1, o.position_px});
+    }
+    for (int b = 1; b < static_cast<int>(frames); ++b) sweep.pairs.push_back({b - 1, b, matches(b - 1, b)});
+  }
+
+  std::vector<Match> matches(int a, int b) const {
+    std::vector<Match> result;
+    for (const Track& track : found.tracks) {
+      for (const Observation& p : track) {
+        for (const Observation& q : track) {
+          if (p.frame == a && q.frame == b) result.push_back({p.feature, q.feature, 0});
+        }
+      }
+    }
+    return result;
+  }
+  std::string doubted() const { return doubt(sweep, found, names); }
+};
+
+TEST(Doubt, IsSilentAboutTruePoses) { EXPECT_EQ(KnownSweep().doubted(), ""); }
+
+TEST(Doubt, NamesPhotosWhoseMatchesContradictTheirPoses) {
+  KnownSweep known;
+  Pose& pose = known.found.bundle.cameras[0];
+  pose.world_from_camera = pose.world_from_camera * turn(3, 0, 0);
+  EXPECT_THAT(known.doubted(), HasSubstr("matches in photo 0 and photo 1 agrees"));
+}
+
+TEST(Doubt, NamesThePlaceThatFewPointsBridge) {
+  KnownSweep known;
+  int left = 0;
+  for (Track& track : known.found.tracks) {
+    const bool bridges = track.size() > 1 && track.front().frame < 4 && track.back().frame >= 4;
+    if (bridges && ++left > 5) std::erase_if(track, [](const Observation& o) { return o.frame < 4; });
+  }
+  EXPECT_THAT(known.doubted(), HasSubstr("points tie photo 3 and photo 4 together"));
+}
+
+TEST(Doubt, NamesPhotosOfOneViewThatShareNothing) {
+  KnownSweep known;
+  known.found.bundle.cameras[7] = known.found.bundle.cameras[0];
+  known.sweep.pairs.pop_back();
+  for (Track& track : known.found.tracks) {
+    if (!track.empty() && track.front().frame == 0)
+      std::erase_if(track, [](const Observation& o) { return o.frame == 7; });
+  }
+  EXPECT_THAT(known.doubted(), HasSubstr("photo 0 and photo 7 look the same way"));
+}
 
 class Photos : public FrameSource {
  public:

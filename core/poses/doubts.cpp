@@ -1,0 +1,130 @@
+#include "doubts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace ldp {
+namespace {
+
+constexpr double kTolerance = 4;     // pixels of 800 that a match may miss the poses by
+constexpr size_t kTelling = 30;      // matches of a pair from which its disagreement tells something
+constexpr double kLeastShare = 0.5;  // of a pair's matches must agree with the poses
+constexpr int kLeastTies = 12;       // points that tie a photo to those before it
+constexpr int kReach = 4;            // photos before and after that count for it
+constexpr double kSameView = 0.25;   // of the field of view: photos turned by less show the same
+constexpr double kSamePlace = 0.3;   // radii: and stand nearer than this
+
+class Doubts {
+ public:
+  Doubts(const MatchedSweep& sweep, const Reconstruction& r, const std::vector<std::string>& names)
+      : sweep_(sweep), r_(r), names_(names) {}
+
+  // The pair of photos whose matches contradict the poses most.
+  std::string contradicted() const {
+    double least = kLeastShare;
+    const PairMatches* worst = nullptr;
+    for (const PairMatches& pair : sweep_.pairs) {
+      if (!posed(pair.a) || !posed(pair.b) || pair.matches.size() < kTelling) continue;
+      const double share = agreeing_share(pair);
+      if (share < least) least = share, worst = &pair;
+    }
+    if (!worst) return {};
+    return "only " + std::to_string(std::lround(100 * least)) + " % of what matches in " + both(worst->a, worst->b) +
+           " agrees with their poses: something repeats itself or moves";
+  }
+
+  // The place of the sequence that the fewest points bridge.
+  std::string loose() const {
+    std::vector<int> ties(static_cast<size_t>(sweep_.frames()), 0);
+    for (const Track& track : r_.tracks) {
+      for (size_t i = 0; i + 1 < track.size(); ++i) {
+        if (track[i + 1].frame - track[i].frame > kReach) continue;
+        for (int f = track[i].frame + 1; f <= track[i + 1].frame; ++f) ++ties[static_cast<size_t>(f)];
+      }
+    }
+    int least = kLeastTies, before = -1;
+    std::pair<int, int> where{-1, -1};
+    for (int f = 0; f < sweep_.frames(); ++f) {
+      if (!posed(f)) continue;
+      if (before >= 0 && ties[static_cast<size_t>(f)] < least)
+        least = ties[static_cast<size_t>(f)], where = {before, f};
+      before = f;
+    }
+    if (where.first < 0) return {};
+    return "only " + std::to_string(least) + " points tie " + both(where.first, where.second) +
+           " together: take photos with more overlap";
+  }
+
+  // Two photos of one view by their poses, that have nothing in common.
+  std::string unrelated() const {
+    const std::vector<std::vector<bool>> shared = shared_points();
+    const double view = 2 * std::atan2(0.5 * sweep_.features[0].width, r_.bundle.lens.focal_px);
+    for (int b = 0; b < sweep_.frames(); ++b) {
+      for (int a = 0; a < b; ++a) {
+        if (!posed(a) || !posed(b) || shared[static_cast<size_t>(a)][static_cast<size_t>(b)]) continue;
+        const Pose &p = camera(a), &q = camera(b);
+        const double cosine = p.world_from_camera.col(2).dot(q.world_from_camera.col(2));
+        if (std::acos(std::clamp(cosine, -1.0, 1.0)) > kSameView * view) continue;
+        if (r_.motion != Motion::rotation && (p.centre - q.centre).norm() > kSamePlace) continue;
+        return both(a, b) + " look the same way by their poses and show nothing in common";
+      }
+    }
+    return {};
+  }
+
+ private:
+  bool posed(int frame) const { return r_.dropped[static_cast<size_t>(frame)].empty(); }
+  const Pose& camera(int frame) const { return r_.bundle.cameras[static_cast<size_t>(frame)]; }
+  std::string both(int a, int b) const {
+    return names_[static_cast<size_t>(a)] + " and " + names_[static_cast<size_t>(b)];
+  }
+
+  Sighting sighting(int frame, int feature) const {
+    const Pose& pose = camera(frame);
+    const bool turns = r_.motion == Motion::rotation;
+    return {pose.world_from_camera.transpose(), turns ? Eigen::Vector3d::Zero().eval() : pose.centre,
+            ray_of(sweep_.features[static_cast<size_t>(frame)].from_middle(feature), r_.bundle.lens)};
+  }
+
+  double agreeing_share(const PairMatches& pair) const {
+    const double tolerance = sweep_.pixels(kTolerance) / r_.bundle.lens.focal_px;
+    int agreeing = 0;
+    for (const Match& match : pair.matches) {
+      const std::vector<Sighting> sightings{sighting(pair.a, match.a), sighting(pair.b, match.b)};
+      const std::optional<InversePoint> point = triangulate_point(sightings);
+      if (point && sighting_error(*point, sightings[0]) < tolerance && sighting_error(*point, sightings[1]) < tolerance)
+        ++agreeing;
+    }
+    return agreeing / static_cast<double>(pair.matches.size());
+  }
+
+  std::vector<std::vector<bool>> shared_points() const {
+    const size_t count = static_cast<size_t>(sweep_.frames());
+    std::vector<std::vector<bool>> shared(count, std::vector<bool>(count, false));
+    for (const Track& track : r_.tracks) {
+      for (const Observation& p : track) {
+        for (const Observation& q : track) shared[static_cast<size_t>(p.frame)][static_cast<size_t>(q.frame)] = true;
+      }
+    }
+    return shared;
+  }
+
+  const MatchedSweep& sweep_;
+  const Reconstruction& r_;
+  const std::vector<std::string>& names_;
+};
+
+}  // namespace
+
+std::string doubt(const MatchedSweep& sweep, const Reconstruction& reconstruction,
+                  const std::vector<std::string>& names) {
+  const Doubts doubts(sweep, reconstruction, names);
+  for (const std::string& found : {doubts.contradicted(), doubts.unrelated(), doubts.loose()}) {
+    if (!found.empty()) return found;
+  }
+  return {};
+}
+
+}  // namespace ldp
