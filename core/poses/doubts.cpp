@@ -14,7 +14,7 @@ constexpr double kLeastShare = 0.5;  // of a pair's matches must agree with the 
 constexpr int kLeastTies = 12;       // points that tie a photo to those before it
 constexpr int kReach = 4;            // photos before and after that count for it
 constexpr double kSameView = 0.25;   // of the field of view: photos turned by less show the same
-constexpr double kSamePlace = 0.3;   // radii: and stand nearer than this
+constexpr double kSamePlace = 0.1;   // of the distance of points in the median: and stand nearer than this
 
 class Doubts {
  public:
@@ -61,13 +61,14 @@ class Doubts {
   std::string unrelated() const {
     const std::vector<std::vector<bool>> shared = shared_points();
     const double view = 2 * std::atan2(0.5 * sweep_.features[0].width, r_.bundle.lens.focal_px);
+    const double same_place = kSamePlace * median_distance();
     for (int b = 0; b < sweep_.frames(); ++b) {
       for (int a = 0; a < b; ++a) {
         if (!posed(a) || !posed(b) || shared[static_cast<size_t>(a)][static_cast<size_t>(b)]) continue;
         const Pose &p = camera(a), &q = camera(b);
         const double cosine = p.world_from_camera.col(2).dot(q.world_from_camera.col(2));
         if (std::acos(std::clamp(cosine, -1.0, 1.0)) > kSameView * view) continue;
-        if (r_.motion != Motion::rotation && (p.centre - q.centre).norm() > kSamePlace) continue;
+        if (r_.motion != Motion::rotation && (p.centre - q.centre).norm() > same_place) continue;
         return both(a, b) + " look the same way by their poses and show nothing in common";
       }
     }
@@ -79,6 +80,19 @@ class Doubts {
   const Pose& camera(int frame) const { return r_.bundle.cameras[static_cast<size_t>(frame)]; }
   std::string both(int a, int b) const {
     return names_[static_cast<size_t>(a)] + " and " + names_[static_cast<size_t>(b)];
+  }
+
+  // Of the points, from the cameras' mean place.
+  double median_distance() const {
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    for (const Pose& pose : r_.bundle.cameras) place += pose.centre / static_cast<double>(r_.bundle.cameras.size());
+    std::vector<double> inverse;
+    for (const InversePoint& point : r_.bundle.points)
+      inverse.push_back(std::max(point.inverse_distance / point.seen_from(place).norm(), 1e-6));
+    if (inverse.empty()) return 0;
+    const auto middle = inverse.begin() + static_cast<std::ptrdiff_t>(inverse.size() / 2);
+    std::nth_element(inverse.begin(), middle, inverse.end());
+    return 1 / *middle;
   }
 
   Sighting sighting(int frame, int feature) const {
