@@ -3,9 +3,9 @@
 namespace ldp {
 namespace {
 
-constexpr size_t kProgram = 45'000'000;            // code, libraries, one photo being decoded
-constexpr size_t kUprightPixel = 3;                // grey and visibility
-constexpr size_t kPanoramaPixel = 15, kLayer = 4;  // sources, seams and output; disparity and more of each layer
+constexpr size_t kProgram = 50'000'000;             // code, libraries, one photo being decoded
+constexpr size_t kUprightPixel = 3;                 // grey and visibility
+constexpr size_t kPanoramaPixel = 22, kLayer = 10;  // sources, seams and output; disparity and more of each layer
 
 }  // namespace
 

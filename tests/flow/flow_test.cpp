@@ -221,7 +221,7 @@ TEST_F(Flow, LittleMemoryMakesACoarserPanoramaAndTooLittleIsRefused) {
                      nlohmann::json::parse(outcome.out)["notes"]);
   };
   const auto [width, notes] = built("0");
-  const auto [coarser, reasons] = built("46M");
+  const auto [coarser, reasons] = built("52M");
   EXPECT_LT(coarser, width);
   EXPECT_GT(coarser, 0.4 * width);
   EXPECT_EQ(notes.size(), 0U);
