@@ -161,7 +161,8 @@ class Build {
     pictures_.labels("wanted " + name, want, 2);
     watch_.lap("visibility");
     if (std::none_of(want.samples.begin(), want.samples.end(), [](uint8_t w) { return w == kWanted; })) return {};
-    const Sweep sweep(upright_, grid_, visibility_, surface, sweep_options());
+    const DisparityMap limit = sweep_limit(surface, want);
+    const Sweep sweep(upright_, grid_, visibility_, limit, sweep_options());
     const BoundaryCosts costs(sweep, want, surface);
     const Plane<uint8_t> labels = solve(costs, want, name);
     DisparityMap layer = refine(sweep, labels, want, job_);
@@ -176,6 +177,18 @@ class Build {
     drop_unseen(grid_, upright_, visibility_, job_, layer);
     watch_.lap("visibility");
     return layer;
+  }
+
+  // Behind what a pixel is swept: the surface; nothing at all where it is not wanted; and as far as the label at which
+  // it is held where it is boundary.
+  DisparityMap sweep_limit(const DisparityMap& surface, const Plane<uint8_t>& want) const {
+    const int label = kDisparitySteps / (options_.labels - 1) + 1;
+    DisparityMap limit = surface;
+    for (size_t i = 0; i < limit.samples.size(); ++i) {
+      if (want.samples[i] == kUnwanted) limit.samples[i] = 0;
+      if (want.samples[i] == kBoundary) limit.samples[i] = static_cast<uint16_t>(limit.samples[i] + label);
+    }
+    return limit;
   }
 
   static DisparityMap deepest(const std::vector<DisparityMap>& found) {

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "colour.h"
@@ -9,6 +11,7 @@
 namespace ldp {
 namespace {
 
+constexpr int kRowsAtOnce = 16;
 constexpr int kSameSurface = kDisparitySteps / (kLabels - 1);
 
 // One pixel of a border, met while its neighbour's photograph is in memory.
@@ -29,12 +32,13 @@ class LayerFetch {
  public:
   LayerFetch(const PanoramaGrid& grid, const ColourTask& task) : grid_(grid), task_(task) {
     seams_of_row_.resize(static_cast<size_t>(grid.height));
+    find_spans();
   }
 
   void fetch_row(const PhotoSampler& sampler, const RgbImage& photo, uint8_t index, int y) {
     const uint8_t* source = task_.source->row(y);
     const uint16_t* disparity = task_.disparity->row(y);
-    for (int x = 0; x < grid_.width; ++x) {
+    for (int x = spans_[index].begin; x < spans_[index].end; ++x) {
       if (source[x] == kNoSource) continue;
       const bool own = source[x] == index;
       if (!own && !borders(x, y, index)) continue;
@@ -57,6 +61,28 @@ class LayerFetch {
   }
 
  private:
+  struct Span {
+    int begin = 0, end = 0;
+  };
+
+  // The columns in which each photograph is taken, and one more on either side.
+  void find_spans() {
+    spans_.fill({grid_.width, 0});
+    for (int y = 0; y < grid_.height; ++y) {
+      const uint8_t* source = task_.source->row(y);
+      for (int x = 0; x < grid_.width; ++x) {
+        Span& span = spans_[source[x]];
+        span.begin = std::min(span.begin, x);
+        span.end = std::max(span.end, x + 1);
+      }
+    }
+    for (Span& span : spans_) {
+      if (span.begin >= span.end) continue;
+      const bool across = grid_.wraps && (span.begin == 0 || span.end == grid_.width);
+      span = across ? Span{0, grid_.width} : Span{std::max(0, span.begin - 1), std::min(grid_.width, span.end + 1)};
+    }
+  }
+
   bool borders(int x, int y, uint8_t index) const {
     const int d = task_.disparity->at(x, y);
     const auto beside = [&](int nx, int ny) {
@@ -69,6 +95,7 @@ class LayerFetch {
 
   const PanoramaGrid& grid_;
   ColourTask task_;
+  std::array<Span, 256> spans_;
   std::vector<std::vector<SeamPixel>> seams_of_row_;
 };
 
@@ -79,12 +106,22 @@ void fetch_colours(const PanoramaGrid& grid, const Photographs& photographs, con
   std::vector<LayerFetch> layers;
   for (const ColourTask& task : tasks) layers.emplace_back(grid, task);
   const size_t cameras = photographs.cameras.size();
-  for (size_t i = 0; i < cameras; ++i) {
-    job.report("colour", static_cast<double>(i) / static_cast<double>(cameras));
-    const RgbImage photo = photographs.frames.load(photographs.frame_of_camera[i]);
-    const PhotoSampler sampler(grid, photographs.cameras[i], photographs.gains[i]);
-    for (LayerFetch& layer : layers)
-      parallel_for(job, grid.height, [&](int y) { layer.fetch_row(sampler, photo, static_cast<uint8_t>(i), y); });
+  const int strips = (grid.height + kRowsAtOnce - 1) / kRowsAtOnce;
+  RgbImage photo, next;
+  for (size_t i = 0; i <= cameras; ++i) {  // reads photograph i while colours are taken from the one before
+    job.report("colour", static_cast<double>(i) / static_cast<double>(cameras + 1));
+    const auto index = static_cast<uint8_t>(i - 1);
+    std::optional<PhotoSampler> sampler;
+    if (i > 0) sampler.emplace(grid, photographs.cameras[i - 1], photographs.gains[i - 1]);
+    parallel_for(job, i > 0 ? 1 + strips : 1, [&](int task) {
+      if (task == 0) {
+        if (i < cameras) next = photographs.frames.load(photographs.frame_of_camera[i]);
+        return;
+      }
+      for (int y = (task - 1) * kRowsAtOnce; y < std::min(grid.height, task * kRowsAtOnce); ++y)
+        for (LayerFetch& layer : layers) layer.fetch_row(*sampler, photo, index, y);
+    });
+    std::swap(photo, next);
   }
   if (!options.even_seams) return;
   std::vector<SeamSample> samples;

@@ -59,6 +59,7 @@ class MapPainter {
     const Heading left = edges_[static_cast<size_t>(x)], right = edges_[static_cast<size_t>(x) + 1];
     if (!in_view(left) && !in_view(right)) return;
     const Sides sides{projection_.column(left), projection_.column(right)};
+    if (beside_view(sides)) return;
     const int before = neighbour_column(grid_, x - 1), after = neighbour_column(grid_, x + 1);
     for (int y = 0; y < grid_.height; ++y) {
       const int d = layer.at(x, y);
@@ -84,6 +85,18 @@ class MapPainter {
   bool in_view(Heading h) const {
     const auto u = projection_.column(h);
     return u.forward > 0.2 || projection_.forward(u, grid_.w_near) > 0.2;
+  }
+
+  // Does the column stay outside the map at every disparity? Its place in the image is monotonic in inverse depth.
+  bool beside_view(const Sides& sides) const {
+    const double end_px = 1.0 * map_.shrink * map_.inverse_z.height, w_far = inverse_depth(grid_, 0),
+                 w_near = inverse_depth(grid_, kDisparitySteps);
+    const auto always = [&](const VoxelProjection::Column& u, const auto& outside) {
+      return projection_.forward(u, w_far) > 0.1 && projection_.forward(u, w_near) > 0.1 &&
+             outside(projection_.x_px(u, w_far)) && outside(projection_.x_px(u, w_near));
+    };
+    return always(sides.left, [&](double x_px) { return x_px > end_px + 1; }) ||
+           always(sides.right, [](double x_px) { return x_px < -1; });
   }
 
   void paint_pixel(const Sides& sides, int y, double d_left, int d, double d_right) {
@@ -140,29 +153,96 @@ void close_hairlines(VisibilityMap& map) {
   }
 }
 
+// Per frame, by columns: not 0 where no layer covers the pixel or one of its eight neighbours.
+using UncoveredMaps = std::vector<Plane<uint8_t>>;
+
+Plane<uint8_t> uncovered(const VisibilityMap& map) {
+  const int rows = map.inverse_z.width, columns = map.inverse_z.height;
+  Plane<uint8_t> along(rows, columns), near(rows, columns);
+  std::vector<uint8_t> open(static_cast<size_t>(rows) + 2);
+  for (int column = 0; column < columns; ++column) {
+    const uint16_t* surface = map.inverse_z.row(column);
+    for (int row = 0; row < rows; ++row) open[static_cast<size_t>(row) + 1] = surface[row] == kUncovered;
+    uint8_t* out = along.row(column);
+    for (int row = 0; row < rows; ++row) {
+      const uint8_t* at = open.data() + row;
+      out[row] = at[0] | at[1] | at[2];
+    }
+  }
+  for (int column = 0; column < columns; ++column) {
+    const uint8_t *before = along.row(std::max(0, column - 1)), *here = along.row(column),
+                  *after = along.row(std::min(columns - 1, column + 1));
+    uint8_t* out = near.row(column);
+    for (int row = 0; row < rows; ++row) out[row] = before[row] | here[row] | after[row];
+  }
+  return near;
+}
+
+UncoveredMaps uncovered(const std::vector<VisibilityMap>& maps, const Job& job) {
+  UncoveredMaps uncovered_maps(maps.size());
+  parallel_for(job, static_cast<int>(maps.size()),
+               [&](int i) { uncovered_maps[static_cast<size_t>(i)] = uncovered(maps[static_cast<size_t>(i)]); });
+  return uncovered_maps;
+}
+
 // The voxels of one column at one inverse depth, as one camera's map sees them: one map column, rows affine in v.
 struct VoxelColumn {
   const UprightFrame* frame;
-  const VisibilityMap* map;
-  int column;            // of the upright frame
-  double slope, offset;  // upright row = offset + slope v
+  const uint8_t* uncovered;  // the map's column
+  int shrink, column;        // of the upright frame
+  double slope, offset;      // upright row = offset + slope v
 };
 
-// Cameras that may see the column's voxels at inverse depth w.
-std::vector<VoxelColumn> voxel_columns(const std::vector<VoxelProjection>& projections,
-                                       const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
-                                       Heading h, double w) {
-  std::vector<VoxelColumn> seen;
-  for (size_t i = 0; i < frames.size(); ++i) {
-    const auto u = projections[i].column(h);
-    const double forward = projections[i].forward(u, w);
-    if (forward < 0.1) continue;
-    const double x_px = projections[i].x_px(u, w);
-    if (!(x_px >= 0 && x_px < frames[i].camera.width)) continue;
-    seen.push_back({&frames[i], &maps[i], static_cast<int>(x_px), projections[i].row_slope(forward),
-                    projections[i].row_offset(w, forward)});
+// Where voxels are looked at from: all cameras.
+struct Eyes {
+  const std::vector<UprightFrame>& frames;
+  int shrink;
+  std::vector<VoxelProjection> projections;
+  UncoveredMaps uncovered_maps;
+
+  Eyes(const PanoramaGrid& grid, const std::vector<UprightFrame>& from, const std::vector<VisibilityMap>& maps,
+       const Job& job)
+      : frames(from), shrink(maps.empty() ? 1 : maps[0].shrink), uncovered_maps(uncovered(maps, job)) {
+    projections.reserve(frames.size());
+    for (const UprightFrame& frame : frames) projections.emplace_back(grid, frame.camera);
   }
-  return seen;
+};
+
+// The cameras that may see any voxel of a column.
+struct Facing {
+  Heading heading;
+  std::vector<size_t> frames;
+
+  Facing(const PanoramaGrid& grid, const Eyes& eyes, int x) : heading(ldp::heading(grid.theta(x + 0.5))) {
+    const double w[2] = {grid.inverse_depth(0), grid.inverse_depth(kDisparitySteps)};
+    for (size_t i = 0; i < eyes.frames.size(); ++i) {
+      const VoxelProjection& projection = eyes.projections[i];
+      const auto u = projection.column(heading);
+      const double forward[2] = {projection.forward(u, w[0]), projection.forward(u, w[1])};
+      if (forward[0] < 0.09 && forward[1] < 0.09) continue;
+      if (forward[0] > 0.1 && forward[1] > 0.1) {  // then its place is monotonic in inverse depth
+        const auto [first, last] = std::minmax({projection.x_px(u, w[0]), projection.x_px(u, w[1])});
+        if (last < -1 || first > eyes.frames[i].camera.width + 1) continue;
+      }
+      frames.push_back(i);
+    }
+  }
+};
+
+// Those of them that see the column's voxels at inverse depth w.
+void find_voxel_columns(const Eyes& eyes, const Facing& facing, double w, std::vector<VoxelColumn>& seen) {
+  seen.clear();
+  for (const size_t i : facing.frames) {
+    const VoxelProjection& projection = eyes.projections[i];
+    const auto u = projection.column(facing.heading);
+    const double forward = projection.forward(u, w);
+    if (forward < 0.1) continue;
+    const double x_px = projection.x_px(u, w);
+    if (!(x_px >= 0 && x_px < eyes.frames[i].camera.width)) continue;
+    const int column = static_cast<int>(x_px);
+    seen.push_back({&eyes.frames[i], eyes.uncovered_maps[i].row(column / eyes.shrink), eyes.shrink, column,
+                    projection.row_slope(forward), projection.row_offset(w, forward)});
+  }
 }
 
 // Does the voxel fall on a pixel that no layer covers, or beside one?
@@ -170,19 +250,7 @@ bool falls_on_uncovered(const VoxelColumn& voxels, double v) {
   const double y_px = voxels.offset + voxels.slope * v;
   const auto column = static_cast<size_t>(voxels.column);
   if (y_px < voxels.frame->valid_begin[column] || y_px >= voxels.frame->valid_end[column]) return false;
-  const Plane<uint16_t>& surface = voxels.map->inverse_z;
-  const int x = voxels.column / voxels.map->shrink, y = static_cast<int>(y_px) / voxels.map->shrink;
-  for (int i = std::max(0, x - 1); i <= std::min(x + 1, surface.height - 1); ++i)
-    for (int j = std::max(0, y - 1); j <= std::min(y + 1, surface.width - 1); ++j)
-      if (surface.at(j, i) == kUncovered) return true;
-  return false;
-}
-
-std::vector<VoxelProjection> projections_of(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames) {
-  std::vector<VoxelProjection> projections;
-  projections.reserve(frames.size());
-  for (const UprightFrame& frame : frames) projections.emplace_back(grid, frame.camera);
-  return projections;
+  return voxels.uncovered[static_cast<int>(y_px) / voxels.shrink] != 0;
 }
 
 void mark_boundary(const PanoramaGrid& grid, const DisparityMap& front, int gap, Plane<uint8_t>& want) {
@@ -237,22 +305,25 @@ DisparityMap without_silhouettes(const DisparityMap& layer, int reach_px) {
 Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front,
                              const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
                              const LayersOptions& options, const Job& job) {
-  const std::vector<VoxelProjection> projections = projections_of(grid, frames);
+  const Eyes eyes(grid, frames, maps, job);
   const int gap = gap_steps(grid, options);
   Plane<uint8_t> want(grid.width, grid.height, kUnwanted);
   parallel_for(job, grid.width, [&](int x) {
-    const Heading h = heading(grid.theta(x + 0.5));
+    const Facing facing(grid, eyes, x);
     std::vector<int> nearest(static_cast<size_t>(grid.height));  // of the disparities that lie behind; -1 = settled
     for (int y = 0; y < grid.height; ++y)
       nearest[static_cast<size_t>(y)] = front.at(x, y) == kNoDisparity ? -1 : front.at(x, y) - gap;
-    for (int d = 0; d <= kDisparitySteps - gap; d += kLabelSteps / 2)
-      for (const VoxelColumn& voxels : voxel_columns(projections, frames, maps, h, grid.inverse_depth(d)))
+    std::vector<VoxelColumn> columns;
+    for (int d = 0; d <= kDisparitySteps - gap; d += kLabelSteps / 2) {
+      find_voxel_columns(eyes, facing, grid.inverse_depth(d), columns);
+      for (const VoxelColumn& voxels : columns)
         for (int y = 0; y < grid.height; ++y) {
           int& bound = nearest[static_cast<size_t>(y)];
           if (d > bound || !falls_on_uncovered(voxels, grid.v(y + 0.5))) continue;
           want.at(x, y) = kWanted;
           bound = -1;
         }
+    }
   });
   mark_boundary(grid, front, gap, want);
   return want;
@@ -265,23 +336,20 @@ class ColumnOfVoxels {
  public:
   static constexpr int kStep = kLabelSteps / 2;
 
-  ColumnOfVoxels(const PanoramaGrid& grid, const std::vector<VoxelProjection>& projections,
-                 const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps, int x)
-      : grid_(grid), projections_(projections), frames_(frames), maps_(maps), heading_(heading(grid.theta(x + 0.5))) {}
+  ColumnOfVoxels(const PanoramaGrid& grid, const Eyes& eyes, int x)
+      : grid_(grid), eyes_(eyes), facing_(grid, eyes, x) {}
 
   bool in_sight(int disparity, double v) {
     auto& columns = at_[static_cast<size_t>(disparity / kStep)];
-    if (!columns) columns = voxel_columns(projections_, frames_, maps_, heading_, grid_.inverse_depth(disparity));
+    if (!columns) find_voxel_columns(eyes_, facing_, grid_.inverse_depth(disparity), columns.emplace());
     return std::any_of(columns->begin(), columns->end(),
                        [&](const VoxelColumn& c) { return falls_on_uncovered(c, v); });
   }
 
  private:
   const PanoramaGrid& grid_;
-  const std::vector<VoxelProjection>& projections_;
-  const std::vector<UprightFrame>& frames_;
-  const std::vector<VisibilityMap>& maps_;
-  Heading heading_;
+  const Eyes& eyes_;
+  Facing facing_;
   std::array<std::optional<std::vector<VoxelColumn>>, kDisparitySteps / kStep + 1> at_;
 };
 
@@ -291,9 +359,9 @@ void move_into_sight(const PanoramaGrid& grid, const DisparityMap& front, int ga
                      const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
                      const Plane<uint8_t>& want, const Job& job, DisparityMap& layer) {
   constexpr int kStep = ColumnOfVoxels::kStep;
-  const std::vector<VoxelProjection> projections = projections_of(grid, frames);
+  const Eyes eyes(grid, frames, maps, job);
   parallel_for(job, grid.width, [&](int x) {
-    ColumnOfVoxels voxels(grid, projections, frames, maps, x);
+    ColumnOfVoxels voxels(grid, eyes, x);
     for (int y = 0; y < grid.height; ++y) {
       if (want.at(x, y) != kWanted) continue;
       const int farthest = front.at(x, y) - gap;
@@ -315,16 +383,16 @@ void move_into_sight(const PanoramaGrid& grid, const DisparityMap& front, int ga
 
 int drop_unseen(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames,
                 const std::vector<VisibilityMap>& maps, const Job& job, DisparityMap& layer) {
-  const std::vector<VoxelProjection> projections = projections_of(grid, frames);
+  const Eyes eyes(grid, frames, maps, job);
   std::vector<int> kept(static_cast<size_t>(grid.width), 0);
   parallel_for(job, grid.width, [&](int x) {
-    const Heading h = heading(grid.theta(x + 0.5));
+    const Facing facing(grid, eyes, x);
     int cached = -1;
     std::vector<VoxelColumn> columns;
     for (int y = 0; y < grid.height; ++y) {
       uint16_t& d = layer.at(x, y);
       if (d == kNoDisparity) continue;
-      if (d != cached) columns = voxel_columns(projections, frames, maps, h, grid.inverse_depth(d));
+      if (d != cached) find_voxel_columns(eyes, facing, grid.inverse_depth(d), columns);
       cached = d;
       const double v = grid.v(y + 0.5);
       const bool seen =

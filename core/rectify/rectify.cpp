@@ -1,8 +1,11 @@
 #include "rectify.h"
 
 #include <algorithm>
+#include <functional>
+#include <mutex>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "exposure.h"
 #include "flatten.h"
@@ -12,6 +15,7 @@ namespace ldp {
 namespace {
 
 constexpr int kStrip = 32;  // columns resampled between two looks at the job
+constexpr size_t kBytesPerPixel = 8, kBytesAtOnce = 32 << 20;  // of photos being worked on
 constexpr std::array<double, 3> kLuma = {0.299, 0.587, 0.114};
 
 RgbImage load_checked(const FrameSource& frames, int index, const Camera& camera) {
@@ -71,20 +75,40 @@ void fill_column(const Plane<uint16_t>& grey, const ColumnMap& map, int column, 
   frame.valid_end[static_cast<size_t>(column)] = static_cast<int16_t>(best_end);
 }
 
-UprightFrame make_upright(const RgbImage& photo, const Camera& camera, const UprightCamera& upright, const Gain& gain,
-                          const Job& job) {
+UprightFrame make_upright(const Plane<uint16_t>& grey, const Camera& camera, const UprightCamera& upright,
+                          const Gain& gain, const Job& job) {
   UprightFrame frame;
   frame.camera = upright;
   frame.gain = gain;
   frame.columns = GreyImage(upright.height, upright.width);
   frame.valid_begin.resize(static_cast<size_t>(upright.width));
   frame.valid_end.resize(static_cast<size_t>(upright.width));
-  const Plane<uint16_t> grey = flatten(weighted_grey(photo, gain), job);
   parallel_for(job, (upright.width + kStrip - 1) / kStrip, [&](int strip) {
     const int end = std::min(upright.width, (strip + 1) * kStrip);
     for (int x = strip * kStrip; x < end; ++x) fill_column(grey, ColumnMap(camera, upright, x), x, frame);
   });
   return frame;
+}
+
+// Photos that are worked on at a time: one a thread where memory allows.
+int photos_at_once(const std::vector<Camera>& cameras, const Job& job) {
+  size_t largest = 1;
+  for (const Camera& camera : cameras)
+    largest = std::max(largest, static_cast<size_t>(camera.intrinsics.width) *
+                                    static_cast<size_t>(std::max(1, camera.intrinsics.height)));
+  return std::clamp(static_cast<int>(kBytesAtOnce / (kBytesPerPixel * largest)), 1, std::max(1, job.threads));
+}
+
+// body(i) for every photo, as many at a time as photos.threads, with progress.
+void for_each_photo(const Job& photos, std::string_view stage, size_t count, const std::function<void(size_t)>& body) {
+  std::mutex mutex;
+  size_t done = 0;
+  photos.report(stage, 0);
+  parallel_for(photos, static_cast<int>(count), [&](int i) {
+    body(static_cast<size_t>(i));
+    const std::lock_guard lock(mutex);
+    photos.report(stage, static_cast<double>(++done) / static_cast<double>(count));
+  });
 }
 
 }  // namespace
@@ -93,20 +117,20 @@ std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<C
                                   const std::vector<int>& frame_of_camera, const std::vector<ScenePoint>& points,
                                   const Arc& arc, const Job& job) {
   if (cameras.size() != frame_of_camera.size()) throw std::logic_error("rectify: one frame index per camera is needed");
-  const size_t n = cameras.size();
-  std::vector<Thumbnail> thumbnails;
-  for (size_t i = 0; i < n; ++i) {
-    job.report("exposure", static_cast<double>(i) / static_cast<double>(n));
-    thumbnails.push_back(make_thumbnail(load_checked(frames, frame_of_camera[i], cameras[i])));
-  }
+  const int at_once = photos_at_once(cameras, job);
+  Job photos = job, inside = job;  // threads over photos, and inside one photo
+  photos.threads = at_once;
+  inside.threads = std::max(1, job.threads / at_once);
+  const auto load = [&](size_t k) { return load_checked(frames, frame_of_camera[k], cameras[k]); };
+  std::vector<Thumbnail> thumbnails(cameras.size());
+  for_each_photo(photos, "exposure", cameras.size(), [&](size_t k) { thumbnails[k] = make_thumbnail(load(k)); });
   const auto gains = exposure_gains(cameras, thumbnails, points);
-  std::vector<UprightFrame> upright;
-  for (size_t i = 0; i < n; ++i) {
-    job.report("rectify", static_cast<double>(i) / static_cast<double>(n));
-    const RgbImage photo = load_checked(frames, frame_of_camera[i], cameras[i]);
-    upright.push_back(
-        make_upright(photo, cameras[i], upright_camera(cameras[i], arc.axis(), frame_of_camera[i]), gains[i], job));
-  }
+  std::vector<UprightFrame> upright(cameras.size());
+  for_each_photo(photos, "rectify", cameras.size(), [&](size_t k) {
+    const Plane<uint16_t> grey = flatten(weighted_grey(load(k), gains[k]), inside);
+    upright[k] =
+        make_upright(grey, cameras[k], upright_camera(cameras[k], arc.axis(), frame_of_camera[k]), gains[k], inside);
+  });
   return upright;
 }
 

@@ -7,7 +7,7 @@ namespace ldp {
 
 namespace {
 
-constexpr int kPieceColumns = 32;
+constexpr int kPieceColumns = 64;
 
 }  // namespace
 
@@ -58,6 +58,14 @@ void Strip::copy(const Window& part, LabelGrid& grid) const {
     if (source_.has_positions()) take(terms_.position, grid.position, kSlots);
   }
   set_edges(source_, {column(part.x), part.y, part.width, part.height}, grid);
+}
+
+bool Strip::any_solved(const Window& part) const {
+  for (int x = part.x; x < part.x + part.width; ++x) {
+    const uint8_t* column = terms_.solved.data() + static_cast<ptrdiff_t>(x) * terms_.height + part.y;
+    if (std::any_of(column, column + part.height, [](uint8_t solved) { return solved != 0; })) return true;
+  }
+  return false;
 }
 
 Energy Strip::energy(const Window& part, const uint8_t* labels) const {

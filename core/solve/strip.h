@@ -29,6 +29,9 @@ class Strip {
   // Terms and edges of a part of the strip, x counted from the strip's first column.
   void copy(const Window& part, LabelGrid& grid) const;
 
+  // Whether a part holds pixels of the problem.
+  bool any_solved(const Window& part) const;
+
   // Energy of a part: its pixels, floors included, and the edges between them. Labels are the part's, by columns.
   Energy energy(const Window& part, const uint8_t* labels) const;
 

@@ -254,10 +254,11 @@ class WindowSolver {
   }
 
   Outcome solve(const Window& inner) {
-    auto scratch = pool_.take();
-    LabelGrid& grid = scratch->grid;
     const FramedWindow window(inner, source_);
     const Window part{0, window.outer.y, window.outer.width, window.outer.height};
+    if (!strip_.any_solved(part)) return {};
+    auto scratch = pool_.take();
+    LabelGrid& grid = scratch->grid;
     strip_.copy(part, grid);
     for (int x = 0; x < part.width; ++x)
       for (int y = 0; y < part.height; ++y)

@@ -16,6 +16,18 @@ constexpr uint8_t kLargestDoubt = 8;      // grey levels: what a camera that doe
 constexpr int kWeightBits = 6;            // of linear interpolation
 constexpr int kWeightOne = 1 << kWeightBits;
 
+constexpr int kSmoothReach = 5;       // of the smoothing window: 11 x 11
+constexpr int kSmoothBinSteps = 128;  // disparity steps of a bin of its median
+constexpr uint8_t kNoBin = 255;       // of a pixel without disparity
+constexpr int kSmoothWeights = 48;    // weights by difference of grey; what differs more has none
+
+// Rows of a picture around the one that is smoothed: bin = disparity / kSmoothBinSteps, kNoBin where there is none.
+struct SmoothRow {
+  const uint8_t* grey = nullptr;
+  const uint8_t* bin = nullptr;
+  const uint16_t* disparity = nullptr;
+};
+
 struct Kernels {
   // out[i] = (left[i] (64 - weight) + right[i] weight + 32) >> 6.
   void (*blend_columns)(const uint8_t* left, const uint8_t* right, int weight, int count, uint8_t* out);
@@ -59,6 +71,12 @@ struct Kernels {
   // Where sum[i] / 25 < best[i] (or `first`): best[i] = sum[i] / 25, best_median[i] = median[i].
   void (*keep_best)(const uint16_t* sum, const uint8_t* median, bool first, int count, uint8_t* best,
                     uint8_t* best_median);
+
+  // The weighted medians of a row of windows, and the means beside them. Pixel i's window spans columns i .. i + 10 of
+  // all rows (at most 11); its own pixel is column i + 5 of rows[own]. Pixels weigh weights[|grey - own grey|]; with m
+  // the first bin up to which at least half of the weight lies, out[i] = the weighted mean of the bins m - 1 .. m + 1,
+  // rounded. Pixels without a bin do not count; where the own one has none out[i] is meaningless.
+  void (*smooth_row)(const SmoothRow* rows, int row_count, int own, const uint8_t* weights, int count, uint16_t* out);
 };
 
 const Kernels& best();   // for the processor at hand

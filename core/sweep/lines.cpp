@@ -12,7 +12,14 @@ constexpr double kLeastCosine = 0.3;  // between the ray and the camera's axis: 
 constexpr double kLargestStep = 4;    // photo rows per panorama row; beyond, a voxel is too near to the camera
 constexpr double kLargestRow = 1 << 20;
 
-int64_t ceil_div(int64_t a, int64_t b) { return a > 0 ? (a - 1) / b + 1 : -(-a / b); }
+// The library's floor, and divisions of 64-bit integers, are slow where processors lack them.
+int64_t floor_of(double value) {
+  const auto whole = static_cast<int64_t>(value);
+  return whole - (static_cast<double>(whole) > value ? 1 : 0);
+}
+
+// The quotient's rounding does not reach a whole number: a and b stay below 2^52.
+int64_t ceil_div(int64_t a, int64_t b) { return -floor_of(static_cast<double>(-a) / static_cast<double>(b)); }
 
 }  // namespace
 
@@ -74,15 +81,15 @@ bool LineTable::make_line(size_t view, double cosine, double sine, double invers
   const double forward = k.offset_forward * w + reach * (cosine * k.forward_x + sine * k.forward_y);
   if (forward <= 1e-3) return false;
   const double scale = camera.focal / forward;
-  const double x_q6 = std::floor((scale * right + camera.cx - 0.5) * kernels::kWeightOne + 0.5);
-  if (!(x_q6 >= 0 && x_q6 < (camera.width - 1) * static_cast<double>(kernels::kWeightOne))) return false;
-  const int x = static_cast<int>(x_q6) >> kernels::kWeightBits;
-  line.weight = static_cast<int>(x_q6) & (kernels::kWeightOne - 1);
+  const double x_px = (scale * right + camera.cx - 0.5) * kernels::kWeightOne + 0.5;
+  if (!(x_px >= 0 && x_px < (camera.width - 1) * static_cast<double>(kernels::kWeightOne))) return false;
+  const int x_q6 = static_cast<int>(x_px), x = x_q6 >> kernels::kWeightBits;
+  line.weight = x_q6 & (kernels::kWeightOne - 1);
   const double step = scale * grid_.v_pitch;
   const double row = camera.cy - 0.5 - scale * (k.offset_up * w + grid_.v(0.5));
   if (step > kLargestStep || std::abs(row) > kLargestRow) return false;
-  line.step_q16 = static_cast<int32_t>(std::floor(step * 65536 + 0.5));
-  line.row_q16 = static_cast<int64_t>(std::floor(row * 65536 + 0.5)) + (65536 / kernels::kWeightOne / 2);
+  line.step_q16 = static_cast<int32_t>(floor_of(step * 65536 + 0.5));
+  line.row_q16 = floor_of(row * 65536 + 0.5) + (65536 / kernels::kWeightOne / 2);
   line.left = frame.columns.row(x);
   line.right = frame.columns.row(x + 1);
   const auto c = static_cast<size_t>(x);

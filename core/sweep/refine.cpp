@@ -1,5 +1,7 @@
 #include <algorithm>
-#include <set>
+#include <array>
+#include <cstdlib>
+#include <vector>
 
 #include "job.h"
 #include "smooth.h"
@@ -12,52 +14,88 @@ constexpr int kFine = 8;   // fine steps a label
 constexpr int kReach = 6;  // fine steps either side of the label's middle that are tried
 constexpr int kTile = 64;
 
+constexpr int16_t kNone = 0x7FFF, kNever = -0x4000;
+
+// The smallest window around some pixels.
+struct Box {
+  int left = 1 << 20, right = 0, top = 1 << 20, bottom = 0;
+
+  bool empty() const { return left >= right; }
+  Window window() const { return {left, top, right - left, bottom - top}; }
+  void add(const Box& other) {
+    left = std::min(left, other.left), right = std::max(right, other.right);
+    top = std::min(top, other.top), bottom = std::max(bottom, other.bottom);
+  }
+};
+
 // Follows, per ray, the costs of its label's fine steps as they come by, nearest last.
 class FineMinimum final : public SlabSink {
  public:
   struct Ray {
-    int centre = 0;  // fine step of the label
-    uint16_t previous = 0xFFFF, best = 0xFFFF, before = 0xFFFF, after = 0xFFFF;
-    int16_t step = -1;
-    uint8_t grey = 128;  // of the best
-    bool wanted = true;
+    int step, best, before, after;
+    uint8_t grey;  // of the best
   };
 
-  FineMinimum(const Plane<uint8_t>& labels, const Plane<uint8_t>& mask, const Window& window) : height_(window.height) {
+  FineMinimum(const Plane<uint8_t>& labels, const Plane<uint8_t>& mask, const Window& window) : window_(window) {
+    const size_t size = static_cast<size_t>(window.width) * static_cast<size_t>(window.height);
+    for (auto* values : {&previous_, &best_, &before_, &after_}) values->assign(size, kNone);
+    step_.assign(size, -1);
+    grey_.assign(size, 128);
+    centre_.reserve(size);
     for (int x = window.x; x < window.x + window.width; ++x)
       for (int y = window.y; y < window.y + window.height; ++y) {
-        Ray& ray = rays_.emplace_back();
-        ray.centre = labels.at(x, y) * kFine;
-        ray.wanted = mask.empty() || mask.at(x, y) != 0;
+        const bool wanted = mask.empty() || mask.at(x, y) != 0;
+        centre_.push_back(wanted ? static_cast<int16_t>(labels.at(x, y) * kFine) : kNever);
+        if (wanted) boxes_[labels.at(x, y)].add({x, x + 1, y, y + 1});
       }
   }
-  void start(int step) { step_ = step; }
+
+  // The rays that want a fine step.
+  Box box(int step) const {
+    Box box;
+    for (int label = 0; label < kLabels; ++label)
+      if (std::abs(step - label * kFine) <= kReach) box.add(boxes_[static_cast<size_t>(label)]);
+    return box;
+  }
+
+  void start(int step, const Window& part) {
+    now_ = static_cast<int16_t>(step);
+    part_ = part;
+  }
+
   void column(int x, const uint16_t* cost, const uint8_t* grey) override {
-    Ray* ray = rays_.data() + static_cast<size_t>(x) * static_cast<size_t>(height_);
-    for (int y = 0; y < height_; ++y, ++ray) {
-      if (std::abs(step_ - ray->centre) > kReach) continue;
-      if (ray->step == step_ - 1) ray->after = cost[y];
-      if (cost[y] < ray->best) {
-        ray->best = cost[y];
-        ray->before = ray->previous;
-        ray->after = 0xFFFF;
-        ray->step = static_cast<int16_t>(step_);
-        ray->grey = grey[y];
-      }
-      ray->previous = cost[y];
+    const auto at = static_cast<size_t>((part_.x - window_.x + x) * window_.height + part_.y - window_.y);
+    const int16_t now = now_, *centre = centre_.data() + at;
+    int16_t *previous = previous_.data() + at, *best = best_.data() + at, *before = before_.data() + at,
+            *after = after_.data() + at, *step = step_.data() + at, *best_grey = grey_.data() + at;
+    for (int y = 0; y < part_.height; ++y) {  // without branches, for vectors
+      const auto c = static_cast<int16_t>(cost[y]);
+      const bool wanted = centre[y] - kReach <= now && centre[y] + kReach >= now;
+      const bool follows = wanted && step[y] == now - 1, better = wanted && c < best[y];
+      after[y] = better ? kNone : follows ? c : after[y];
+      before[y] = better ? previous[y] : before[y];
+      best[y] = better ? c : best[y];
+      step[y] = better ? now : step[y];
+      best_grey[y] = better ? grey[y] : best_grey[y];
+      previous[y] = wanted ? c : previous[y];
     }
   }
-  const std::vector<Ray>& rays() const { return rays_; }
+
+  bool wanted(size_t i) const { return centre_[i] != kNever; }
+  Ray ray(size_t i) const { return {step_[i], best_[i], before_[i], after_[i], static_cast<uint8_t>(grey_[i])}; }
 
  private:
-  std::vector<Ray> rays_;
-  int height_, step_ = 0;
+  Window window_, part_;
+  int16_t now_ = 0;
+  std::array<Box, kLabels> boxes_;  // of the rays of each label
+  std::vector<int16_t> centre_;     // fine step of the label
+  std::vector<int16_t> previous_, best_, before_, after_, step_, grey_;
 };
 
 // Lowest point of the parabola through three neighbouring costs, as disparity.
 uint16_t fitted(const FineMinimum::Ray& ray, int fine_steps) {
   int64_t numerator = int64_t{ray.step} * kDisparitySteps, denominator = fine_steps;
-  if (ray.before != 0xFFFF && ray.after != 0xFFFF) {
+  if (ray.before != kNone && ray.after != kNone) {
     const int curvature = ray.before + ray.after - 2 * ray.best;
     if (curvature > 0) {
       numerator = (2 * int64_t{ray.step} * curvature + ray.before - ray.after) * kDisparitySteps;
@@ -66,16 +104,6 @@ uint16_t fitted(const FineMinimum::Ray& ray, int fine_steps) {
   }
   return static_cast<uint16_t>(
       std::clamp<int64_t>((2 * numerator + denominator) / (2 * denominator), 0, kDisparitySteps));
-}
-
-std::set<int> steps_wanted(const FineMinimum& minimum, int fine_steps) {
-  std::set<int> centres, steps;
-  for (const auto& ray : minimum.rays())
-    if (ray.wanted) centres.insert(ray.centre);
-  for (const int centre : centres) {
-    for (int s = std::max(0, centre - kReach); s <= std::min(fine_steps, centre + kReach); ++s) steps.insert(s);
-  }
-  return steps;
 }
 
 }  // namespace
@@ -96,18 +124,20 @@ DisparityMap Sweep::refine(const Plane<uint8_t>& labels, const Plane<uint8_t>& m
     FineMinimum minimum(labels, mask, window);
     auto scratch = t.take_scratch();
     scratch->slab.reserve(window.height, t.longest_column);
-    for (const int step : steps_wanted(minimum, fine_steps)) {
-      minimum.start(step);
+    for (int step = 0; step <= fine_steps; ++step) {
+      const Box box = minimum.box(step);
+      if (box.empty()) continue;
+      minimum.start(step, box.window());
       const double w = t.grid.inverse_depth(static_cast<double>(step) * kDisparitySteps / fine_steps);
-      sweep_slab(t.lines, w, window, t.options.prior_cost, scratch->slab, minimum);
+      sweep_slab(t.lines, w, box.window(), t.options.prior_cost, scratch->slab, minimum);
     }
     t.give_back(std::move(scratch));
-    const auto* ray = minimum.rays().data();
-    for (int i = 0; i < window.width; ++i)
-      for (int j = 0; j < window.height; ++j, ++ray) {
-        if (!ray->wanted) continue;
-        disparity.at(x + i, y + j) = fitted(*ray, fine_steps);
-        grey.at(x + i, y + j) = ray->grey;
+    size_t i = 0;
+    for (int column = x; column < x + window.width; ++column)
+      for (int row = y; row < y + window.height; ++row, ++i) {
+        if (!minimum.wanted(i)) continue;
+        disparity.at(column, row) = fitted(minimum.ray(i), fine_steps);
+        grey.at(column, row) = minimum.ray(i).grey;
       }
   });
   return smooth(disparity, grey, t.grid.wraps, job);

@@ -31,11 +31,13 @@ class Column {
     const auto first = static_cast<int>(first_q16 >> 16);
     const auto last = static_cast<int>((first_q16 + static_cast<int64_t>(l.step_q16) * (count - 1)) >> 16) + 1;
     uint8_t* out = scratch_.samples[k].data() + (l.y_begin - y_begin_);
-    kernels::best().blend_columns(l.left + first, l.right + first, l.weight, last - first + 1, scratch_.blended.data());
-    kernels::best().resample_rows(scratch_.blended.data(), first_q16 & 0xFFFF, l.step_q16, count, out);
+    scratch_.kernels.blend_columns(l.left + first, l.right + first, l.weight, last - first + 1,
+                                   scratch_.blended.data());
+    scratch_.kernels.resample_rows(scratch_.blended.data(), first_q16 & 0xFFFF, l.step_q16, count, out);
     if (l.surface) {
       uint8_t* mask = scratch_.masks[k].data() + (l.y_begin - y_begin_);
-      kernels::best().test_visibility(l.surface, first_q16, l.step_q16, l.surface_shrink, l.surface_limit, count, mask);
+      scratch_.kernels.test_visibility(l.surface, first_q16, l.step_q16, l.surface_shrink, l.surface_limit, count,
+                                       mask);
       masked_ = true;
     }
   }
@@ -61,8 +63,8 @@ class Column {
     }
     const int count = end - y;
     if (views > 0 && masked_)
-      return kernels::best().masked_robust_variance(samples, masks, views, prior_cost_, count, phi, median);
-    if (views > 1) return kernels::best().robust_variance(samples, views, count, phi, median);
+      return scratch_.kernels.masked_robust_variance(samples, masks, views, prior_cost_, count, phi, median);
+    if (views > 1) return scratch_.kernels.robust_variance(samples, views, count, phi, median);
     std::fill(phi, phi + count, static_cast<uint8_t>(prior_cost_));
     if (views == 1)
       std::copy(samples[0], samples[0] + count, median);
@@ -83,8 +85,6 @@ void grow(std::vector<T>& buffer, int size) {
 }
 
 }  // namespace
-
-SlabScratch::SlabScratch() = default;
 
 void SlabScratch::reserve(int height, int longest_column) {
   const int rows = height + 2 * kHalo;
@@ -114,13 +114,13 @@ void sweep_slab(const LineTable& lines, double inverse_depth, const Window& wind
     uint16_t* total = scratch.total.data();
     // The sums that leave make room for those that enter.
     uint16_t* entering = scratch.cost.data();
-    kernels::best().sum5(scratch.phi.data(), boxes, entering);
-    kernels::best().slide(entering, leaving, boxes, total);
+    scratch.kernels.sum5(scratch.phi.data(), boxes, entering);
+    scratch.kernels.slide(entering, leaving, boxes, total);
     std::copy(entering, entering + boxes, leaving);
     if (i < 4) continue;
-    kernels::best().min3_rows(total, window.height, scratch.lowest[i % 3].data());
+    scratch.kernels.min3_rows(total, window.height, scratch.lowest[i % 3].data());
     if (i < 2 * kHalo) continue;
-    kernels::best().min3_columns(scratch.lowest[0].data(), scratch.lowest[1].data(), scratch.lowest[2].data(),
+    scratch.kernels.min3_columns(scratch.lowest[0].data(), scratch.lowest[1].data(), scratch.lowest[2].data(),
                                  window.height, scratch.cost.data());
     sink.column(i - 2 * kHalo, scratch.cost.data(), scratch.medians[(i + 1) % (kHalo + 1)].data() + kHalo);
   }

@@ -16,9 +16,10 @@ constexpr int kHalo = 3;  // 2 of the box, 1 of the shiftable window
 // Buffers of one thread at work; grown when a window is larger than any before, else reused.
 class SlabScratch {
  public:
-  SlabScratch();
+  explicit SlabScratch(const kernels::Kernels& with = kernels::best()) : kernels(with) {}
   void reserve(int height, int longest_column);
 
+  const kernels::Kernels& kernels;
   std::vector<uint8_t> blended;  // a source column between two
   std::vector<uint8_t> samples[kernels::kMaxViews], masks[kernels::kMaxViews];
   std::vector<uint8_t> phi, medians[kHalo + 1];

@@ -9,7 +9,7 @@
 namespace ldp {
 namespace {
 
-constexpr uint8_t kForbiddenCost = 255;
+constexpr uint8_t kForbiddenCost = 255, kMiddleGrey = 128;
 
 void check_range(const char* name, int value, int low, int high) {
   if (value < low || value > high) {
@@ -21,17 +21,21 @@ void check_range(const char* name, int value, int low, int high) {
 // Keeps, per ray, the least cost of a label's slabs and the median that goes with it.
 class BestOfLabel final : public SlabSink {
  public:
-  BestOfLabel(SweepScratch& scratch, int height) : scratch_(scratch), height_(height) {}
+  BestOfLabel(SweepScratch& scratch, const Window& window, const Window& part)
+      : scratch_(scratch),
+        height_(window.height),
+        part_{part.x - window.x, part.y - window.y, part.width, part.height} {}
   void start(bool first) { first_ = first; }
   void column(int x, const uint16_t* cost, const uint8_t* median) override {
-    const size_t at = static_cast<size_t>(x) * static_cast<size_t>(height_);
-    kernels::best().keep_best(cost, median, first_, height_, scratch_.best.data() + at,
+    const auto at = static_cast<size_t>((part_.x + x) * height_ + part_.y);
+    kernels::best().keep_best(cost, median, first_, part_.height, scratch_.best.data() + at,
                               scratch_.best_median.data() + at);
   }
 
  private:
   SweepScratch& scratch_;
   int height_;
+  Window part_;  // from the window's corner
   bool first_ = true;
 };
 
@@ -106,37 +110,75 @@ void Sweep::read(const Window& window, uint8_t* cost, uint8_t* median) const {
   scratch->slab.reserve(window.height, t.longest_column);
   scratch->best.resize(pixels + kernels::kPadding);
   scratch->best_median.resize(pixels + kernels::kPadding);
-  BestOfLabel best(*scratch, window.height);
+  const std::vector<int8_t> farthest = t.behind ? labels_behind(window) : std::vector<int8_t>();
   for (int label = 0; label < labels; ++label) {
+    const Window part = t.behind ? part_with_label(window, farthest, label) : window;
+    if (part.width == 0) continue;
+    BestOfLabel best(*scratch, window, part);
     for (int step = 0; step < t.options.substeps; ++step) {
       best.start(step == 0);
       const double offset = (2.0 * step + 1) / (2.0 * t.options.substeps) - 0.5;
       const double w = t.grid.inverse_depth(t.disparity(std::clamp(label + offset, 0.0, labels - 1.0)));
-      sweep_slab(t.lines, w, window, t.options.prior_cost, scratch->slab, best);
+      sweep_slab(t.lines, w, part, t.options.prior_cost, scratch->slab, best);
     }
-    for (size_t i = 0; i < pixels; ++i) {
-      cost[i * static_cast<size_t>(labels) + static_cast<size_t>(label)] = scratch->best[i];
-      median[i * static_cast<size_t>(labels) + static_cast<size_t>(label)] = scratch->best_median[i];
-    }
+    for (int x = part.x - window.x; x < part.x - window.x + part.width; ++x)
+      for (int y = part.y - window.y; y < part.y - window.y + part.height; ++y) {
+        const auto i = static_cast<size_t>(x * window.height + y);
+        cost[i * static_cast<size_t>(labels) + static_cast<size_t>(label)] = scratch->best[i];
+        median[i * static_cast<size_t>(labels) + static_cast<size_t>(label)] = scratch->best_median[i];
+      }
   }
   t.give_back(std::move(scratch));
-  if (t.behind) forbid_front(window, cost);
+  if (t.behind) forbid_front(farthest, cost, median);
   rate_unmatched(window, cost);
 }
 
-// A label is behind the layers in front only if its whole interval is.
-void Sweep::forbid_front(const Window& window, uint8_t* cost) const {
+// The nearest label whose whole interval lies behind the layers in front, for every pixel of a window; -1 = none.
+std::vector<int8_t> Sweep::labels_behind(const Window& window) const {
   const Tables& t = *tables_;
   const int labels = t.options.labels;
+  std::vector<int8_t> nearest;
+  nearest.reserve(static_cast<size_t>(window.width) * static_cast<size_t>(window.height));
   for (int x = 0; x < window.width; ++x) {
     const int column = t.grid.wraps ? (window.x + x) % t.grid.width : window.x + x;
-    for (int y = 0; y < window.height; ++y, cost += labels) {
-      const uint16_t front = t.behind->at(column, window.y + y);
-      if (front == kNoDisparity) continue;
-      for (int label = 0; label < labels; ++label) {
-        if ((2 * label + 1) * kDisparitySteps >= 2 * (labels - 1) * front) cost[label] = kForbiddenCost;
-      }
+    for (int y = 0; y < window.height; ++y) {
+      // The largest label with (2 label + 1) kDisparitySteps < 2 (labels - 1) front.
+      const int front = t.behind->at(column, window.y + y);
+      const int halves = (2 * (labels - 1) * front + kDisparitySteps - 1) / kDisparitySteps - 1;
+      nearest.push_back(static_cast<int8_t>(front == kNoDisparity ? labels - 1 : halves < 1 ? -1 : (halves - 1) / 2));
     }
+  }
+  return nearest;
+}
+
+// The smallest part of the window with all pixels that may take a label; no columns where there are none.
+Window Sweep::part_with_label(const Window& window, const std::vector<int8_t>& nearest, int label) {
+  int left = window.width, right = 0, top = window.height, bottom = 0;
+  for (int x = 0; x < window.width; ++x) {
+    const int8_t* column = nearest.data() + static_cast<ptrdiff_t>(x) * window.height;
+    int first = 0, last = window.height;
+    while (first < last && column[first] < label) ++first;
+    while (last > first && column[last - 1] < label) --last;
+    if (first == last) continue;
+    left = std::min(left, x);
+    right = x + 1;
+    top = std::min(top, first);
+    bottom = std::max(bottom, last);
+  }
+  if (left >= right) return {};
+  return {window.x + left, window.y + top, right - left, bottom - top};
+}
+
+// Labels in front cost most; their grey, which hardly matters then, is that of the nearest label behind.
+void Sweep::forbid_front(const std::vector<int8_t>& nearest, uint8_t* cost, uint8_t* median) const {
+  const int labels = tables_->options.labels;
+  for (const int8_t allowed : nearest) {
+    for (int label = allowed + 1; label < labels; ++label) {
+      cost[label] = kForbiddenCost;
+      median[label] = allowed >= 0 ? median[allowed] : kMiddleGrey;
+    }
+    cost += labels;
+    median += labels;
   }
 }
 

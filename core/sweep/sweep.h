@@ -26,8 +26,8 @@ struct SweepOptions {
 class Sweep final : public CostSource {
  public:
   // `visibility` is empty (everything is visible) or has one map per frame. `behind` is empty, or gives for each pixel
-  // the disparity of the layers in front: labels at or in front of it get cost 255. What is referred to and not empty
-  // must outlive the sweep.
+  // the disparity of the layers in front: labels at or in front of it get cost 255 (at disparity 0 all of them: such
+  // pixels cost no time). What is referred to and not empty must outlive the sweep.
   Sweep(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, const std::vector<VisibilityMap>& visibility,
         const DisparityMap& behind, const SweepOptions& options);
   ~Sweep() override;
@@ -41,7 +41,9 @@ class Sweep final : public CostSource {
   DisparityMap refine(const Plane<uint8_t>& labels, const Plane<uint8_t>& mask, const Job& job) const;
 
  private:
-  void forbid_front(const Window& window, uint8_t* cost) const;
+  std::vector<int8_t> labels_behind(const Window& window) const;
+  static Window part_with_label(const Window& window, const std::vector<int8_t>& nearest, int label);
+  void forbid_front(const std::vector<int8_t>& nearest, uint8_t* cost, uint8_t* median) const;
   void rate_unmatched(const Window& window, uint8_t* cost) const;
   struct Tables;
   std::unique_ptr<Tables> tables_;

@@ -67,8 +67,7 @@ int run(const BuildCommand& command, const Session& session) {
   const Job job = start_job(session, *bar);
   BuildResult result = build_with_pictures(prepared, command.debug, job);
   add_metadata(prepared.notes, result.panorama);
-  const std::vector<uint8_t> file = encode_ldp(result.panorama, {command.setup.colour_quality});
-  job.check();
+  const std::vector<uint8_t> file = encode_ldp(result.panorama, {command.setup.colour_quality}, job);
   write_output(command.output, file);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   nlohmann::ordered_json report = report_json(result.report, result.panorama);

@@ -1,37 +1,17 @@
 // The sweep's own volumes of captures with given cameras.
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <stdexcept>
 
-#include "arc.h"
-#include "images.h"
-#include "poses.h"
-#include "rectify.h"
+#include "captures.h"
 #include "solve_volumes.h"
 #include "sweep.h"
-#include "transforms.h"
 
 namespace ldp {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-class Frames final : public FrameSource {
- public:
-  Frames(fs::path folder, const std::vector<Camera>& cameras) : folder_(std::move(folder)) {
-    for (const Camera& camera : cameras) names_.push_back(camera.name);
-  }
-  int size() const override { return static_cast<int>(names_.size()); }
-  std::string name(int index) const override { return names_[static_cast<size_t>(index)]; }
-  RgbImage load(int index) const override { return read_image(folder_ / name(index)); }
-  std::optional<double> focal_hint(int) const override { return {}; }
-
- private:
-  fs::path folder_;
-  std::vector<std::string> names_;
-};
 
 Volume whole(const CostSource& source) {
   Volume volume(source.width(), source.height(), source.labels(), source.wraps());
@@ -46,14 +26,8 @@ Volume whole(const CostSource& source) {
 }  // namespace
 
 Problem capture_problem(const std::string& folder) {
-  const fs::path capture(folder);
-  const auto given = read_transforms(capture / "transforms.json");
-  const Frames frames(fs::exists(capture / "frames") ? capture / "frames" : capture, given);
-  const Poses poses = triangulate(frames, given, {}, {});
-  const ArcFit fit = fit_arc(poses.cameras, {});
-  const PanoramaGrid grid = lay_grid(fit.arc, poses.cameras, poses.points, {});
-  const auto upright = rectify(frames, poses.cameras, poses.frame_of_camera, poses.points, fit.arc, {});
-  return {capture.filename(), whole(Sweep(upright, grid, {}, {}, {})), {}, {}, 1};
+  const PreparedCapture capture = prepare_capture(folder);
+  return {fs::path(folder).filename(), whole(Sweep(capture.upright, capture.grid, {}, {}, {})), {}, {}, 1};
 }
 
 void save_volume(const Volume& volume, const std::string& file) {

@@ -176,6 +176,57 @@ TEST_P(SweepKernels, KeepBestDividesByTheBoxAndKeepsTheFirstOfEquals) {
     }
 }
 
+// The formula of smooth_row at one pixel.
+uint16_t smoothed(const std::vector<SmoothRow>& rows, const uint8_t* weights, int own, int column) {
+  const auto weigh = [&](const SmoothRow& row, int i) {
+    const int difference = std::abs(row.grey[i] - rows[static_cast<size_t>(own)].grey[column + kSmoothReach]);
+    return row.bin[i] == kNoBin || difference >= kSmoothWeights ? 0 : int{weights[difference]};
+  };
+  int total = 0, beside = 0, sum = 0, bin = -1;
+  for (const SmoothRow& row : rows)
+    for (int i = column; i <= column + 2 * kSmoothReach; ++i) total += weigh(row, i);
+  for (int below = -1; 2 * below < total;) {
+    ++bin, below = 0;
+    for (const SmoothRow& row : rows)
+      for (int i = column; i <= column + 2 * kSmoothReach; ++i) below += row.bin[i] <= bin ? weigh(row, i) : 0;
+  }
+  for (const SmoothRow& row : rows)
+    for (int i = column; i <= column + 2 * kSmoothReach; ++i) {
+      if (std::abs(row.bin[i] - bin) > 1) continue;
+      beside += weigh(row, i);
+      sum += weigh(row, i) * row.disparity[i];
+    }
+  return static_cast<uint16_t>((sum + beside / 2) / beside);
+}
+
+TEST_P(SweepKernels, SmoothRowsLikeAHistogramOfEachWindow) {
+  constexpr int kBins = 30, kRows = 2 * kSmoothReach + 1, kWidth = kLongest + 2 * kSmoothReach;
+  std::vector<uint8_t> weights(kSmoothWeights);
+  for (size_t i = 0; i < weights.size(); ++i) weights[i] = static_cast<uint8_t>(255 / (i + 1));
+  for (const int bins : {1, 2, 3, kBins})
+    for (int row_count = kSmoothReach + 1; row_count <= kRows; ++row_count) {
+      std::vector<std::vector<uint8_t>> greys, all_bins;
+      std::vector<std::vector<uint16_t>> disparities;
+      std::vector<SmoothRow> rows;
+      for (int row = 0; row < row_count; ++row) {
+        greys.push_back(noise<uint8_t>(kWidth, 80));
+        disparities.push_back(noise<uint16_t>(kWidth, bins * kSmoothBinSteps - 1));
+        auto& row_bins = all_bins.emplace_back();
+        for (const uint16_t d : disparities.back())
+          row_bins.push_back(d % 11 == 0 ? kNoBin : static_cast<uint8_t>(d / kSmoothBinSteps));
+      }
+      for (size_t i = 0; i < greys.size(); ++i)
+        rows.push_back({greys[i].data(), all_bins[i].data(), disparities[i].data()});
+      const int count = kLongest - row_count, own = row_count - kSmoothReach - 1;
+      std::vector<uint16_t> out(kLongest + kPadding);
+      k().smooth_row(rows.data(), row_count, own, weights.data(), count, out.data());
+      for (int i = 0; i < count; ++i) {
+        if (rows[static_cast<size_t>(own)].bin[i + kSmoothReach] == kNoBin) continue;
+        ASSERT_EQ(out[static_cast<size_t>(i)], smoothed(rows, weights.data(), own, i)) << bins << " " << i;
+      }
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Both, SweepKernels, testing::Values(&best(), &plain()),
                          [](const auto& set) { return std::string(set.index == 0 ? "Best" : "Plain"); });
 
