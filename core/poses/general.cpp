@@ -212,12 +212,12 @@ std::optional<GeneralStart> general_start(const MatchedSweep& sweep, const std::
   std::vector<double> focals{0.55 * longer, 0.75 * longer, 1.0 * longer, 1.4 * longer};
   if (prior) focals = {0.9 * prior->focal_px, prior->focal_px, 1.1 * prior->focal_px};
   std::vector<Outcome> outcomes(focals.size());
+  Job alone = job;  // of each candidate
+  alone.threads = 1;
   parallel_for(job, static_cast<int>(focals.size()), [&](int i) {
     Outcome& outcome = outcomes[static_cast<size_t>(i)];
-    outcome.start = Incremental(sweep, tracks, focals[static_cast<size_t>(i)], job).run();
+    outcome.start = Incremental(sweep, tracks, focals[static_cast<size_t>(i)], alone).run();
     if (!outcome.start) return;
-    Job alone = job;
-    alone.threads = 1;
     std::vector<Track> seen;
     for (Track track : tracks) {
       std::erase_if(track, [&](const Observation& o) { return !outcome.start->posed[static_cast<size_t>(o.frame)]; });
@@ -229,7 +229,7 @@ std::optional<GeneralStart> general_start(const MatchedSweep& sweep, const std::
     options.focal_prior = prior.value_or(FocalPrior{0.9 * longer, 0.5});
     options.loss_px = sweep.pixels(0.5 * kTolerance);
     place_good(longest_tracks(seen, sweep.frames(), kPerFrame), sweep.pixels(3 * kTolerance), false, bundle, alone);
-    adjust(bundle, options, job);
+    adjust(bundle, options, alone);
     place_good(seen, sweep.pixels(kTolerance), false, bundle, alone);
     outcome.held = bundle.observations.size();
   });

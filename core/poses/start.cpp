@@ -188,6 +188,8 @@ std::vector<Bundle> starts(const MatchedSweep& sweep, const std::vector<Track>& 
   options.loss_px = sweep.pixels(kSpherical);
   options.model = Model::spherical;
   options.most_iterations = 30;
+  Job alone = job;  // of each candidate
+  alone.threads = 1;
   parallel_for(job, static_cast<int>(focals.size()), [&](int i) {
     Start& start = candidates[static_cast<size_t>(i)];
     start.bundle.lens.focal_px = focals[static_cast<size_t>(i)];
@@ -197,12 +199,12 @@ std::vector<Bundle> starts(const MatchedSweep& sweep, const std::vector<Track>& 
       start.bundle.cameras.push_back({r, r.col(2)});
     }
     place_all(coarse, start.bundle);
-    adjust(start, options, job);
+    adjust(start, options, alone);
   });
   candidates = best_of(std::move(candidates), kFreed);
   options.model = Model::free;
   parallel_for(job, static_cast<int>(candidates.size()),
-               [&](int i) { adjust(candidates[static_cast<size_t>(i)], options, job); });
+               [&](int i) { adjust(candidates[static_cast<size_t>(i)], options, alone); });
   candidates = best_of(std::move(candidates), kFreed);
   std::vector<Bundle> bundles;
   for (Start& candidate : candidates) bundles.push_back(std::move(candidate.bundle));

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -12,6 +13,7 @@
 #include "doubts.h"
 #include "follow.h"
 #include "guided.h"
+#include "likeness.h"
 #include "matches.h"
 #include "picture.h"
 #include "points.h"
@@ -76,6 +78,68 @@ TEST(MatchFeatures, APointWithATwinMatchesNothing) {
   std::mt19937 random(2);
   const std::vector<int16_t> one = random_descriptor(random), other = random_descriptor(random);
   EXPECT_TRUE(match_features(features_of({one}), features_of({one, one, other}), MatchOptions{}).empty());
+}
+
+// All against all, without tricks.
+std::vector<Match> matches_by_hand(const Features& a, const Features& b, double ratio) {
+  const auto nearest = [&](const Features& from, int i, const Features& to) {
+    std::vector<std::pair<int, int>> found{{std::numeric_limits<int>::max(), -1}};
+    for (int j = 0; j < to.size(); ++j) {
+      int squared = 0;
+      for (int k = 0; k < kDescriptorLength; ++k) {
+        const int difference = from.descriptor(i)[k] - to.descriptor(j)[k];
+        squared += difference * difference;
+      }
+      found.emplace_back(squared, j);
+    }
+    std::sort(found.begin(), found.end());
+    const bool clear = found[0].first < ratio * ratio * found[1].first;
+    return clear ? found[0] : std::pair(0, -1);
+  };
+  std::vector<Match> matches;
+  for (int i = 0; i < a.size(); ++i) {
+    const auto [distance, j] = nearest(a, i, b);
+    if (j >= 0 && nearest(b, j, a).second == i) matches.push_back({i, j, distance});
+  }
+  return matches;
+}
+
+TEST(MatchFeatures, AgreesWithComparingAllByHandWhateverTheCounts) {
+  std::mt19937 random(11);
+  for (const auto& [count_a, count_b] : {std::pair(1, 2), {3, 65}, {130, 67}, {64, 128}}) {
+    std::vector<std::vector<int16_t>> a, b;
+    for (int i = 0; i < count_a; ++i) a.push_back(random_descriptor(random));
+    for (int i = 0; i < count_b; ++i) {
+      b.push_back(i % 3 == 0 ? random_descriptor(random) : a[static_cast<size_t>(7 * i % count_a)]);
+      b.back()[static_cast<size_t>(i) % 128] = static_cast<int16_t>(random() % 90);
+    }
+    const Features fa = features_of(a), fb = features_of(b);
+    EXPECT_EQ(match_features(fa, fb, MatchOptions{}), matches_by_hand(fa, fb, MatchOptions{}.ratio));
+  }
+}
+
+TEST(Likeness, IsTheSameForEveryInstructionSet) {
+  std::mt19937 random(12);
+  constexpr int kCount = 71;
+  std::vector<int16_t> one = random_descriptor(random), others;
+  std::vector<int> squares, plain(kCount), best(kCount);
+  for (int i = 0; i < kCount; ++i) {
+    const std::vector<int16_t> d = random_descriptor(random);
+    others.insert(others.end(), d.begin(), d.end());
+    squares.push_back(static_cast<int>(random() % 100000));
+  }
+  likeness::plain().distances(one.data(), 77, others.data(), squares.data(), kCount, plain.data());
+  likeness::best().distances(one.data(), 77, others.data(), squares.data(), kCount, best.data());
+  EXPECT_EQ(plain, best);
+  EXPECT_EQ(likeness::plain().least(plain.data(), kCount), likeness::best().least(plain.data(), kCount));
+  std::vector<std::vector<int>> of_plain(3, std::vector<int>(kCount, 5000000)), of_best = of_plain;
+  for (int candidate = 0; candidate < 5; ++candidate) {
+    for (int& d : plain) d = static_cast<int>(random() % 1000);
+    likeness::plain().offer(plain.data(), candidate, kCount,
+                            {of_plain[0].data(), of_plain[1].data(), of_plain[2].data()});
+    likeness::best().offer(plain.data(), candidate, kCount, {of_best[0].data(), of_best[1].data(), of_best[2].data()});
+  }
+  EXPECT_EQ(of_plain, of_best);
 }
 
 // Pairs of points that look the same but stand at different heights, as repeated things do.
