@@ -4,7 +4,7 @@ namespace ldp {
 namespace {
 
 constexpr size_t kProgram = 50'000'000;             // code, libraries, one photo being decoded
-constexpr size_t kUprightPixel = 3;                 // grey and visibility
+constexpr size_t kUprightPixel = 4;                 // grey, tint and visibility
 constexpr size_t kPanoramaPixel = 22, kLayer = 10;  // sources, seams and output; disparity and more of each layer
 
 }  // namespace

@@ -14,8 +14,8 @@
 namespace ldp {
 namespace {
 
-constexpr int kStrip = 32;  // columns resampled between two looks at the job
-constexpr size_t kBytesPerPixel = 8, kBytesAtOnce = 32 << 20;  // of photos being worked on
+constexpr int kStrip = 32;                                      // columns resampled between two looks at the job
+constexpr size_t kBytesPerPixel = 10, kBytesAtOnce = 32 << 20;  // of photos being worked on
 constexpr std::array<double, 3> kLuma = {0.299, 0.587, 0.114};
 
 RgbImage load_checked(const FrameSource& frames, int index, const Camera& camera) {
@@ -51,6 +51,16 @@ Plane<uint16_t> weighted_grey(const RgbImage& photo, const Gain& gain) {
   return grey;
 }
 
+Plane<uint16_t> red_minus_green(const RgbImage& photo, const Gain& gain) {
+  const GainTable r = gain_table(gain[0], 1), g = gain_table(gain[1], 1);
+  Plane<uint16_t> tint(photo.width, photo.height);
+  for (size_t i = 0; i < photo.samples.size(); ++i) {
+    const Rgb p = photo.samples[i];
+    tint.samples[i] = static_cast<uint16_t>(std::clamp(128 * kSampleScale + r[p.r] - g[p.g], 0, 255 * kSampleScale));
+  }
+  return tint;
+}
+
 Plane<uint16_t> channel(const RgbImage& photo, uint8_t Rgb::*member, float gain) {
   const GainTable table = gain_table(gain, 1);
   Plane<uint16_t> plane(photo.width, photo.height);
@@ -58,13 +68,21 @@ Plane<uint16_t> channel(const RgbImage& photo, uint8_t Rgb::*member, float gain)
   return plane;
 }
 
+struct Planes {
+  Plane<uint16_t> grey, tint;
+};
+
+Planes make_planes(const RgbImage& photo, const Gain& gain, const Job& job) {
+  return {flatten(weighted_grey(photo, gain), job), flatten(red_minus_green(photo, gain), job)};
+}
+
 // Resamples one column and finds its longest run of rows inside the photo.
-void fill_column(const Plane<uint16_t>& grey, const ColumnMap& map, int column, UprightFrame& frame) {
-  uint8_t* out = frame.columns.row(column);
+void fill_column(const Planes& planes, const ColumnMap& map, int column, UprightFrame& frame) {
   int begin = 0, best_begin = 0, best_end = 0;
   for (int y = 0; y < frame.camera.height; ++y) {
     const SourcePosition position = map.at(y);
-    out[y] = interpolate(grey, position);
+    frame.columns.at(y, column) = interpolate(planes.grey, position);
+    frame.tint.at(y, column) = interpolate(planes.tint, position);
     if (!position.inside) begin = y + 1;
     if (y + 1 - begin > best_end - best_begin) {
       best_begin = begin;
@@ -75,17 +93,17 @@ void fill_column(const Plane<uint16_t>& grey, const ColumnMap& map, int column, 
   frame.valid_end[static_cast<size_t>(column)] = static_cast<int16_t>(best_end);
 }
 
-UprightFrame make_upright(const Plane<uint16_t>& grey, const Camera& camera, const UprightCamera& upright,
-                          const Gain& gain, const Job& job) {
+UprightFrame make_upright(const Planes& planes, const Camera& camera, const UprightCamera& upright, const Gain& gain,
+                          const Job& job) {
   UprightFrame frame;
   frame.camera = upright;
   frame.gain = gain;
-  frame.columns = GreyImage(upright.height, upright.width);
+  frame.columns = frame.tint = GreyImage(upright.height, upright.width);
   frame.valid_begin.resize(static_cast<size_t>(upright.width));
   frame.valid_end.resize(static_cast<size_t>(upright.width));
   parallel_for(job, (upright.width + kStrip - 1) / kStrip, [&](int strip) {
     const int end = std::min(upright.width, (strip + 1) * kStrip);
-    for (int x = strip * kStrip; x < end; ++x) fill_column(grey, ColumnMap(camera, upright, x), x, frame);
+    for (int x = strip * kStrip; x < end; ++x) fill_column(planes, ColumnMap(camera, upright, x), x, frame);
   });
   return frame;
 }
@@ -127,9 +145,9 @@ std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<C
   const auto gains = exposure_gains(cameras, thumbnails, points);
   std::vector<UprightFrame> upright(cameras.size());
   for_each_photo(photos, "rectify", cameras.size(), [&](size_t k) {
-    const Plane<uint16_t> grey = flatten(weighted_grey(load(k), gains[k]), inside);
+    const Planes planes = make_planes(load(k), gains[k], inside);
     upright[k] =
-        make_upright(grey, cameras[k], upright_camera(cameras[k], arc.axis(), frame_of_camera[k]), gains[k], inside);
+        make_upright(planes, cameras[k], upright_camera(cameras[k], arc.axis(), frame_of_camera[k]), gains[k], inside);
   });
   return upright;
 }

@@ -13,6 +13,8 @@ constexpr int kPadding = 64;
 constexpr int kMaxViews = 8;              // cameras whose samples are compared at a voxel
 constexpr uint8_t kLargestVariance = 40;  // 10 grey levels: what differs more is just another surface
 constexpr uint8_t kLargestDoubt = 8;      // grey levels: what a camera that does not agree can add
+constexpr uint8_t kGreyNoise = 2;         // grey levels that two samples of one surface may differ by
+constexpr uint8_t kTintNoise = 4;         // and levels of tint: chroma is coarser in photos
 constexpr int kWeightBits = 6;            // of linear interpolation
 constexpr int kWeightOne = 1 << kWeightBits;
 
@@ -42,19 +44,23 @@ struct Kernels {
                           uint8_t* mask);
 
   // Robust variance over `views` samples (2 .. kMaxViews) of each row, samples[0] being the camera nearest to the rays.
-  // It is the reference: with d the sorted |samples[k] - samples[0]|, d[0] = 0,
+  // It is the reference. Two views differ by
+  //   max(0, |grey - grey'| - kGreyNoise) + max(0, |tint - tint'| - kTintNoise), at most 255;
+  // with d the sorted differences from the reference, d[0] = 0,
   //   phi = min(kLargestVariance, 2 (d[1] + d[2]) + e), two views: 4 d[1],
   //   e = (512 / (views - 3) * (min(d[3], 8) + min(d[4], 8) + ...)) / 256, from four views on:
   // in 1/4 grey level, the mean deviation of the two cameras that agree best with it, and a little of the others'.
   // Beside depth edges most cameras do not see the voxel, so that a median over all of them takes the nearer surface
   // for true (measured on leaves: 68 % of the rays have their least cost within a label of the truth, against 80 %
   // here). The others tell chance matches apart on surfaces with little texture.
-  void (*robust_variance)(const uint8_t* const* samples, int views, int count, uint8_t* phi, uint8_t* reference);
+  void (*robust_variance)(const uint8_t* const* samples, const uint8_t* const* tints, int views, int count,
+                          uint8_t* phi, uint8_t* reference);
 
   // The same, without e, over the samples whose mask is 255; the reference is the first of them. Where one is left phi
   // = prior, where none is kLargestVariance and the reference 128. 1 <= views <= kMaxViews.
-  void (*masked_robust_variance)(const uint8_t* const* samples, const uint8_t* const* masks, int views, int prior,
-                                 int count, uint8_t* phi, uint8_t* reference);
+  void (*masked_robust_variance)(const uint8_t* const* samples, const uint8_t* const* tints,
+                                 const uint8_t* const* masks, int views, int prior, int count, uint8_t* phi,
+                                 uint8_t* reference);
 
   // out[i] = in[i] + in[i + 1] + ... + in[i + 4].
   void (*sum5)(const uint8_t* in, int count, uint16_t* out);

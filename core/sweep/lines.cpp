@@ -90,8 +90,8 @@ bool LineTable::make_line(size_t view, double cosine, double sine, double invers
   if (step > kLargestStep || std::abs(row) > kLargestRow) return false;
   line.step_q16 = static_cast<int32_t>(floor_of(step * 65536 + 0.5));
   line.row_q16 = floor_of(row * 65536 + 0.5) + (65536 / kernels::kWeightOne / 2);
-  line.left = frame.columns.row(x);
-  line.right = frame.columns.row(x + 1);
+  line.grey = {frame.columns.row(x), frame.columns.row(x + 1)};
+  line.tint = {frame.tint.row(x), frame.tint.row(x + 1)};
   const auto c = static_cast<size_t>(x);
   const int64_t first = std::max(frame.valid_begin[c], frame.valid_begin[c + 1]),
                 last = std::min(frame.valid_end[c], frame.valid_end[c + 1]) - 1;

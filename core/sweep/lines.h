@@ -16,8 +16,10 @@ namespace ldp {
 
 // The line in one frame. Row of the panorama's row y: (row_q16 + y step_q16) / 65536 samples from the first.
 struct Line {
-  const uint8_t* left = nullptr;  // image columns between which it runs
-  const uint8_t* right = nullptr;
+  struct Columns {  // of the image, between which it runs
+    const uint8_t *left = nullptr, *right = nullptr;
+  };
+  Columns grey, tint;
   const uint16_t* surface = nullptr;  // column of the visibility map; null = everything is visible
   int64_t row_q16 = 0;
   int32_t step_q16 = 0;

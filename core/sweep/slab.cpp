@@ -30,10 +30,14 @@ class Column {
     const int64_t first_q16 = l.row_q16 + static_cast<int64_t>(l.step_q16) * l.y_begin;
     const auto first = static_cast<int>(first_q16 >> 16);
     const auto last = static_cast<int>((first_q16 + static_cast<int64_t>(l.step_q16) * (count - 1)) >> 16) + 1;
-    uint8_t* out = scratch_.samples[k].data() + (l.y_begin - y_begin_);
-    scratch_.kernels.blend_columns(l.left + first, l.right + first, l.weight, last - first + 1,
-                                   scratch_.blended.data());
-    scratch_.kernels.resample_rows(scratch_.blended.data(), first_q16 & 0xFFFF, l.step_q16, count, out);
+    const auto resample = [&](const Line::Columns& from, std::vector<uint8_t>& to) {
+      scratch_.kernels.blend_columns(from.left + first, from.right + first, l.weight, last - first + 1,
+                                     scratch_.blended.data());
+      scratch_.kernels.resample_rows(scratch_.blended.data(), first_q16 & 0xFFFF, l.step_q16, count,
+                                     to.data() + (l.y_begin - y_begin_));
+    };
+    resample(l.grey, scratch_.samples[k]);
+    resample(l.tint, scratch_.tints[k]);
     if (l.surface) {
       uint8_t* mask = scratch_.masks[k].data() + (l.y_begin - y_begin_);
       scratch_.kernels.test_visibility(l.surface, first_q16, l.step_q16, l.surface_shrink, l.surface_limit, count,
@@ -54,17 +58,19 @@ class Column {
 
   void vary(int y, int end, uint8_t* phi, uint8_t* median) {
     const uint8_t* samples[kernels::kMaxViews];
+    const uint8_t* tints[kernels::kMaxViews];
     const uint8_t* masks[kernels::kMaxViews];
     int views = 0;
     for (int k = 0; k < lines_.count; ++k) {
       if (!sees(line(k), y)) continue;
       samples[views] = scratch_.samples[k].data() + (y - y_begin_);
+      tints[views] = scratch_.tints[k].data() + (y - y_begin_);
       masks[views++] = scratch_.masks[k].data() + (y - y_begin_);
     }
     const int count = end - y;
     if (views > 0 && masked_)
-      return scratch_.kernels.masked_robust_variance(samples, masks, views, prior_cost_, count, phi, median);
-    if (views > 1) return scratch_.kernels.robust_variance(samples, views, count, phi, median);
+      return scratch_.kernels.masked_robust_variance(samples, tints, masks, views, prior_cost_, count, phi, median);
+    if (views > 1) return scratch_.kernels.robust_variance(samples, tints, views, count, phi, median);
     std::fill(phi, phi + count, static_cast<uint8_t>(prior_cost_));
     if (views == 1)
       std::copy(samples[0], samples[0] + count, median);
@@ -90,6 +96,7 @@ void SlabScratch::reserve(int height, int longest_column) {
   const int rows = height + 2 * kHalo;
   grow(blended, longest_column);
   for (auto& buffer : samples) grow(buffer, rows);
+  for (auto& buffer : tints) grow(buffer, rows);
   for (auto& buffer : masks) grow(buffer, rows);
   for (auto& buffer : medians) grow(buffer, rows);
   for (auto& buffer : sums) grow(buffer, rows);

@@ -25,12 +25,12 @@ struct UprightCamera {
   int source = 0;  // index of the photograph in its FrameSource, and of the camera
 };
 
-// Grey samples stored column by column: sample (x, y) at columns.at(y, x), i.e. a plane of `height` wide and `width`
-// high, so that one image column is contiguous. valid_begin/valid_end give, per column, the half-open range of rows
-// that lie inside the photograph.
+// Samples stored column by column: sample (x, y) at columns.at(y, x), i.e. a plane of `height` wide and `width` high,
+// so that one image column is contiguous; grey in `columns`, red minus green plus 128 in `tint`. valid_begin/valid_end
+// give, per column, the half-open range of rows that lie inside the photograph.
 struct UprightFrame {
   UprightCamera camera;
-  GreyImage columns;
+  GreyImage columns, tint;
   std::vector<int16_t> valid_begin, valid_end;
   std::array<float, 3> gain = {1, 1, 1};  // multiplies R, G, B of this photograph to match the others
 };

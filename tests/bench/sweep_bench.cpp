@@ -74,17 +74,17 @@ void Slabs(benchmark::State& state, const kernels::Kernels& kernels) {
 void Kernels(benchmark::State& state, const kernels::Kernels& kernels) {
   constexpr int kRows = 512, kViews = 8;
   std::vector<uint8_t> left(kRows + 2 * kernels::kPadding, 90), right(left), blended(left), phi(left), grey(left);
-  std::vector<std::vector<uint8_t>> samples(kViews, left);
-  const uint8_t* views[kViews];
+  std::vector<std::vector<uint8_t>> samples(2 * kViews, left);
+  const uint8_t* views[2 * kViews];  // grey, then tint
   std::vector<uint16_t> sums(kRows + 2 * kernels::kPadding), total(sums), lowest(sums);
   for (auto _ : state) {
-    for (int k = 0; k < kViews; ++k) {
+    for (int k = 0; k < 2 * kViews; ++k) {
       uint8_t* out = samples[static_cast<size_t>(k)].data();
       kernels.blend_columns(left.data(), right.data(), 7 * k, kRows, blended.data());
       kernels.resample_rows(blended.data(), 1000 * k, 65000, kRows, out);
       views[k] = out;
     }
-    kernels.robust_variance(views, kViews, kRows, phi.data(), grey.data());
+    kernels.robust_variance(views, views + kViews, kViews, kRows, phi.data(), grey.data());
     kernels.sum5(phi.data(), kRows, sums.data());
     kernels.slide(sums.data(), sums.data(), kRows, total.data());
     kernels.min3_rows(total.data(), kRows, lowest.data());

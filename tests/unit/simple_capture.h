@@ -48,7 +48,7 @@ inline UprightFrame upright_of(const Camera& camera, int source) {
                   k.width,
                   k.height,
                   source};
-  frame.columns = GreyImage(k.height, k.width);
+  frame.columns = frame.tint = GreyImage(k.height, k.width);
   frame.valid_begin.assign(static_cast<size_t>(k.width), 0);
   frame.valid_end.assign(static_cast<size_t>(k.width), static_cast<int16_t>(k.height));
   return frame;

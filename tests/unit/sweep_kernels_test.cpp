@@ -79,12 +79,20 @@ TEST_P(SweepKernels, TestVisibilityWithoutReadingPastTheSurface) {
       }
 }
 
+struct Seen {
+  int grey = 0, tint = 0;
+};
+
 // phi of one row from the samples that count, the first of them being the reference.
-int variance_of(const std::vector<int>& seen, int prior, bool with_doubt) {
+int variance_of(const std::vector<Seen>& seen, int prior, bool with_doubt) {
   if (seen.empty()) return kLargestVariance;
   if (seen.size() == 1) return prior;
   std::vector<int> deviation;
-  for (const int s : seen) deviation.push_back(std::abs(s - seen[0]));
+  for (const Seen& s : seen) {
+    const int grey = std::max(0, std::abs(s.grey - seen[0].grey) - 2);
+    const int tint = std::max(0, std::abs(s.tint - seen[0].tint) - 4);
+    deviation.push_back(std::min(255, grey + tint));
+  }
   std::sort(deviation.begin(), deviation.end());
   int doubt = 0;
   for (size_t k = 3; k < seen.size(); ++k) doubt += std::min(8, deviation[k]);
@@ -93,18 +101,26 @@ int variance_of(const std::vector<int>& seen, int prior, bool with_doubt) {
   return std::min<int>(kLargestVariance, agreeing + (with_doubt ? doubt : 0));
 }
 
+std::vector<const uint8_t*> pointers_to(const std::vector<std::vector<uint8_t>>& lines) {
+  std::vector<const uint8_t*> pointers;
+  for (const auto& line : lines) pointers.push_back(line.data());
+  return pointers;
+}
+
 TEST_P(SweepKernels, RobustVarianceOfTwoToEightViews) {
   for (int views = 2; views <= kMaxViews; ++views)
     for (int count = 1; count <= kLongest; ++count) {
-      std::vector<std::vector<uint8_t>> samples;
-      std::vector<const uint8_t*> pointers;
-      for (int v = 0; v < views; ++v) samples.push_back(noise<uint8_t>(kLongest, 30));
-      for (const auto& s : samples) pointers.push_back(s.data());
+      std::vector<std::vector<uint8_t>> samples, tints;
+      for (int v = 0; v < views; ++v) {
+        samples.push_back(noise<uint8_t>(kLongest, v == 7 ? 255 : 30));
+        tints.push_back(noise<uint8_t>(kLongest, v == 7 ? 255 : 20));
+      }
+      const auto pointers = pointers_to(samples), tint_pointers = pointers_to(tints);
       std::vector<uint8_t> phi(kLongest + kPadding), reference = phi, expected;
-      k().robust_variance(pointers.data(), views, count, phi.data(), reference.data());
+      k().robust_variance(pointers.data(), tint_pointers.data(), views, count, phi.data(), reference.data());
       for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
-        std::vector<int> seen;
-        for (const auto& s : samples) seen.push_back(s[i]);
+        std::vector<Seen> seen;
+        for (size_t v = 0; v < samples.size(); ++v) seen.push_back({samples[v][i], tints[v][i]});
         expected.push_back(static_cast<uint8_t>(variance_of(seen, 0, true)));
       }
       ASSERT_EQ(first(phi, count), expected) << views << " " << count;
@@ -116,24 +132,24 @@ TEST_P(SweepKernels, MaskedVarianceLooksOnlyAtWhatSees) {
   constexpr int kPrior = 36;
   for (int views = 1; views <= kMaxViews; ++views)
     for (int count = 1; count <= kLongest; ++count) {
-      std::vector<std::vector<uint8_t>> samples, masks;
-      std::vector<const uint8_t*> sample_pointers, mask_pointers;
+      std::vector<std::vector<uint8_t>> samples, tints, masks;
       for (int v = 0; v < views; ++v) {
         samples.push_back(noise<uint8_t>(kLongest, 30));
+        tints.push_back(noise<uint8_t>(kLongest, 20));
         masks.push_back(noise<uint8_t>(kLongest, 1));
         for (auto& m : masks.back()) m = m ? 255 : 0;
       }
-      for (const auto& s : samples) sample_pointers.push_back(s.data());
-      for (const auto& m : masks) mask_pointers.push_back(m.data());
+      const auto pointers = pointers_to(samples), tint_pointers = pointers_to(tints),
+                 mask_pointers = pointers_to(masks);
       std::vector<uint8_t> phi(kLongest + kPadding), reference = phi, expected, expected_reference;
-      k().masked_robust_variance(sample_pointers.data(), mask_pointers.data(), views, kPrior, count, phi.data(),
-                                 reference.data());
+      k().masked_robust_variance(pointers.data(), tint_pointers.data(), mask_pointers.data(), views, kPrior, count,
+                                 phi.data(), reference.data());
       for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
-        std::vector<int> seen;
+        std::vector<Seen> seen;
         for (size_t v = 0; v < samples.size(); ++v)
-          if (masks[v][i]) seen.push_back(samples[v][i]);
+          if (masks[v][i]) seen.push_back({samples[v][i], tints[v][i]});
         expected.push_back(static_cast<uint8_t>(variance_of(seen, kPrior, false)));
-        expected_reference.push_back(static_cast<uint8_t>(seen.empty() ? 128 : seen[0]));
+        expected_reference.push_back(static_cast<uint8_t>(seen.empty() ? 128 : seen[0].grey));
       }
       ASSERT_EQ(first(phi, count), expected) << views << " " << count;
       ASSERT_EQ(first(reference, count), expected_reference);

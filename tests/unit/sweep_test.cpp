@@ -55,6 +55,23 @@ Costs read(const Sweep& sweep, const Window& window) {
   return costs;
 }
 
+TEST(Sweep, SurfacesOfOneGreyAreToldByTheirTint) {
+  const int label = 9;
+  const double w = 0.6 * label / 15;
+  const PanoramaGrid grid = simple_grid(0.6);
+  std::vector<UprightFrame> frames = pictures(w);
+  for (UprightFrame& frame : frames) {
+    frame.tint = frame.columns;
+    std::fill(frame.columns.samples.begin(), frame.columns.samples.end(), uint8_t{100});
+  }
+  const Sweep sweep(frames, grid, {}, {}, {});
+  const Costs costs = read(sweep, {40, 20, 20, 20});
+  for (size_t pixel = 0; pixel < 400; ++pixel) {
+    const auto first = costs.cost.begin() + static_cast<std::ptrdiff_t>(16 * pixel);
+    EXPECT_EQ(std::min_element(first, first + 16) - first, label);
+  }
+}
+
 TEST(Sweep, FindsTheLabelOfACylinderEverywhere) {
   const PanoramaGrid grid = simple_grid(0.6);
   for (const int label : {4, 10, 15}) {
