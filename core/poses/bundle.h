@@ -1,9 +1,9 @@
-// Bundle adjustment of a sweep: rotations, centres, one lens for all frames, points of inverse distance.
+// Bundle adjustment (Ceres) of a sweep: rotations, centres, one lens for all frames, points of inverse distance.
 //
 // Three models. `rotation`: every point at infinity. `spherical`: a camera's centre is its own forward axis (radius 1).
 // `free`: centres are drawn to that place only weakly, so that the prior decides what the pictures leave open (scale,
-// place, the depth of far scenery) and nothing else. Sums are taken in an order that does not depend on the number of
-// threads: the same input gives the same bytes.
+// place, the depth of far scenery) and nothing else. Single-threaded and in fixed order: the same input gives the same
+// bytes.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,7 +20,6 @@ struct Lens {
   double focal_px = 0, k1 = 0, k2 = 0;
 };
 
-// At most one of a point in a camera.
 struct BundleObservation {
   int camera = 0, point = 0;
   Eigen::Vector2d position_px = Eigen::Vector2d::Zero();  // from the principal point
