@@ -165,6 +165,10 @@ std::shared_ptr<lcm::LCM> connect(const Url& url) {
   return connection;
 }
 
+// LCM's thread takes messages off the socket at once and drops, without a word, those beyond a queue of 30 that nobody
+// has read yet; a burst must be counted whole.
+constexpr int kWaitingMessages = 1000;
+
 // One connection with a queue of what came in, shared by both ends.
 template <typename Item>
 class Inbox {
@@ -185,6 +189,7 @@ class Inbox {
   void listen(const char* channel, void (Owner::*handler)(const lcm::ReceiveBuffer*, const std::string&),
               Owner* owner) {
     subscriptions_.push_back(connection_->subscribe(channel, handler, owner));
+    subscriptions_.back()->setQueueCapacity(kWaitingMessages);
   }
 
   void put(std::optional<Item> item) {
