@@ -75,6 +75,7 @@ class Build {
   void find_cameras() {
     poses_ = options_.cameras.empty() ? estimate_poses(frames_, options_.poses, job_)
                                       : triangulate(frames_, options_.cameras, options_.poses, job_);
+    if (!poses_.report.doubt.empty()) report_.notes.push_back("the poses may be wrong: " + poses_.report.doubt);
     watch_.lap("poses");
   }
 

@@ -55,7 +55,7 @@ void print_summary(const BuildCommand& command, const BuildResult& result, size_
   for (const FrameReport& frame : result.report.poses.frames) {
     if (!frame.posed) std::printf("%s: left out: %s\n", frame.name.c_str(), frame.reason.c_str());
   }
-  for (const std::string& note : result.report.notes) std::printf("%s\n", note.c_str());
+  for (const std::string& note : result.report.notes) std::fprintf(stderr, "ldp build: %s\n", note.c_str());
 }
 
 int run(const BuildCommand& command, const Session& session) {

@@ -77,7 +77,7 @@ void print_table(const PosesReport& report) {
   }
   std::printf("%d points, %.2f px\n", report.points, report.reprojection_px);
   if (report.motion == Motion::rotation) std::printf("no parallax was found: the camera only turned\n");
-  if (!report.doubt.empty()) std::printf("these poses may be wrong: %s\n", report.doubt.c_str());
+  if (!report.doubt.empty()) std::fprintf(stderr, "ldp poses: these poses may be wrong: %s\n", report.doubt.c_str());
 }
 
 int run(const PosesCommand& command, const Session& session) {

@@ -470,6 +470,50 @@ TEST(EstimatePoses, WorldIsUprightAndOfArmsLength) {
   EXPECT_NEAR(radius, 0.65, 0.15);
 }
 
+// Every pixel between the middles of the small one's, as a camera of so many times its pixels sees them.
+RgbImage enlarged(const RgbImage& small, int times) {
+  RgbImage big(small.width * times, small.height * times);
+  for (int y = 0; y < big.height; ++y) {
+    for (int x = 0; x < big.width; ++x) {
+      const double u = std::clamp((x + 0.5) / times - 0.5, 0.0, small.width - 1.001),
+                   v = std::clamp((y + 0.5) / times - 0.5, 0.0, small.height - 1.001);
+      const int i = static_cast<int>(u), j = static_cast<int>(v);
+      const auto blend = [&](uint8_t Rgb::*channel) {
+        const auto at = [&](int p, int q) { return static_cast<double>(small.at(p, q).*channel); };
+        const double top = at(i, j) + (u - i) * (at(i + 1, j) - at(i, j));
+        const double bottom = at(i, j + 1) + (u - i) * (at(i + 1, j + 1) - at(i, j + 1));
+        return static_cast<uint8_t>(std::lround(top + (v - j) * (bottom - top)));
+      };
+      big.at(x, y) = {blend(&Rgb::r), blend(&Rgb::g), blend(&Rgb::b)};
+    }
+  }
+  return big;
+}
+
+TEST(EstimatePoses, OfPhotosShrunkForTheWorkAreInPixelsOfTheWholePhoto) {
+  constexpr int kTimes = 3;  // 1200 x 900: more than is worked on
+  std::vector<RgbImage> big;
+  for (const RgbImage& image : rendered(0.65).images) big.push_back(enlarged(image, kTimes));
+  const Poses poses = estimate_poses(Photos(std::move(big)), PosesOptions{}, Job{});
+  ASSERT_EQ(poses.cameras.size(), 8U);
+  const Intrinsics &k = poses.cameras[0].intrinsics, &small = rendered(0.65).cameras[0].intrinsics;
+  EXPECT_EQ(k.width, kTimes * 400);
+  EXPECT_EQ(k.height, kTimes * 300);
+  EXPECT_EQ(k.cx, kTimes * 200);
+  EXPECT_NEAR(k.fx / (kTimes * small.fx), 1, 0.02);
+  double squared = 0, count = 0, rightmost = 0;
+  for (size_t i = 0; i < poses.points.size(); ++i) {
+    for (size_t j = 0; j < poses.sightings[i].size(); ++j) {
+      const Pose& pose = poses.cameras[static_cast<size_t>(poses.points[i].cameras[j])].pose;
+      const Eigen::Vector3d seen = pose.world_from_camera.transpose() * (poses.points[i].position - pose.centre);
+      squared += (project(k, seen) - poses.sightings[i][j]).squaredNorm(), ++count;
+      rightmost = std::max(rightmost, poses.sightings[i][j].x());
+    }
+  }
+  EXPECT_LT(std::sqrt(squared / count), kTimes * 0.5);
+  EXPECT_GT(rightmost, kTimes * 380);
+}
+
 TEST(EstimatePoses, GivesTheSameBytesAtAnyThreadCount) {
   for (const int threads : {1, 2, 4}) {
     Job job;
