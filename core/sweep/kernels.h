@@ -56,7 +56,7 @@ struct Kernels {
   void (*robust_variance)(const uint8_t* const* samples, const uint8_t* const* tints, int views, int count,
                           uint8_t* phi, uint8_t* reference);
 
-  // The same, without e, over the samples whose mask is 255; the reference is the first of them. Where one is left phi
+  // The same over the samples whose mask is 255; the reference is the first of them. Where one is left phi
   // = prior, where none is kLargestVariance and the reference 128. 1 <= views <= kMaxViews.
   void (*masked_robust_variance)(const uint8_t* const* samples, const uint8_t* const* tints,
                                  const uint8_t* const* masks, int views, int prior, int count, uint8_t* phi,

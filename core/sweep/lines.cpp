@@ -11,6 +11,7 @@ namespace {
 constexpr double kLeastCosine = 0.3;  // between the ray and the camera's axis: 72 degrees
 constexpr double kLargestStep = 4;    // photo rows per panorama row; beyond, a voxel is too near to the camera
 constexpr double kLargestRow = 1 << 20;
+constexpr int kHidesNothing = 65535;  // the nearest that a surface can be
 
 // The library's floor, and divisions of 64-bit integers, are slow where processors lack them.
 int64_t floor_of(double value) {
@@ -24,8 +25,12 @@ int64_t ceil_div(int64_t a, int64_t b) { return -floor_of(static_cast<double>(-a
 }  // namespace
 
 LineTable::LineTable(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid,
-                     const std::vector<VisibilityMap>& visibility, int margin_px)
-    : frames_(frames), grid_(grid), visibility_(visibility.empty() ? nullptr : &visibility), margin_px_(margin_px) {
+                     const std::vector<VisibilityMap>& visibility, int margin_px, Layer layer)
+    : frames_(frames),
+      grid_(grid),
+      visibility_(visibility.empty() ? nullptr : &visibility),
+      margin_px_(margin_px),
+      layer_(layer) {
   const Eigen::Matrix3d& axes = grid.arc.world_from_arc;
   for (const UprightFrame& frame : frames) {
     const UprightCamera& camera = frame.camera;
@@ -67,6 +72,7 @@ void LineTable::find(int column, double inverse_depth, int y_begin, int y_end, L
     if (!make_line(view, outward_[at][0], outward_[at][1], inverse_depth, line)) continue;
     line.y_begin = std::max(line.y_begin, y_begin);
     line.y_end = std::min(line.y_end, y_end);
+    if (lines.count == 0 && layer_ == Layer::front) line.surface_limit = kHidesNothing;
     if (line.y_begin < line.y_end) ++lines.count;
   }
 }

@@ -35,10 +35,13 @@ struct Lines {
 
 class LineTable {
  public:
+  enum class Layer { front, behind };
+
   // Frames, and visibility unless empty, must outlive the table. `margin_px`: columns past the grid's ends that may be
-  // asked for.
+  // asked for. On the front layer the camera nearest to a ray sees every voxel: what hides one from it would itself be
+  // the front. (Without this the scene behind a thing, seen past it by others, matches as well as the thing itself.)
   LineTable(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid,
-            const std::vector<VisibilityMap>& visibility, int margin_px);
+            const std::vector<VisibilityMap>& visibility, int margin_px, Layer layer);
 
   // The lines of a column (-margin .. width + margin, modulo the width when the grid wraps) at an inverse depth, cut to
   // the rows [y_begin, y_end): the kMaxViews cameras that look most nearly the same way, among those that see any of
@@ -58,6 +61,7 @@ class LineTable {
   PanoramaGrid grid_;
   const std::vector<VisibilityMap>* visibility_ = nullptr;  // null = everything is visible
   int margin_px_ = 0;
+  Layer layer_ = Layer::front;
   std::vector<View> views_;
   std::vector<std::array<double, 2>> outward_;          // cosine and sine of each column's theta
   std::vector<std::vector<uint16_t>> views_of_column_;  // best first

@@ -84,14 +84,15 @@ Sweep::Sweep(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid,
   if (!behind.empty() && (behind.width != grid.width || behind.height != grid.height)) {
     throw std::logic_error("sweep: the disparity in front must have the grid's size");
   }
-  tables_.reset(new Tables{frames,
-                           grid,
-                           behind.empty() ? nullptr : &behind,
-                           options,
-                           LineTable(frames, grid, visibility, kHalo),
-                           0,
-                           {},
-                           {}});
+  tables_.reset(new Tables{
+      frames,
+      grid,
+      behind.empty() ? nullptr : &behind,
+      options,
+      LineTable(frames, grid, visibility, kHalo, behind.empty() ? LineTable::Layer::front : LineTable::Layer::behind),
+      0,
+      {},
+      {}});
   for (const UprightFrame& frame : frames)
     tables_->longest_column = std::max(tables_->longest_column, frame.columns.width);
 }

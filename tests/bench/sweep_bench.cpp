@@ -51,7 +51,7 @@ void Slabs(benchmark::State& state, const kernels::Kernels& kernels) {
   const PreparedCapture* capture = garden();
   if (capture == nullptr) return state.SkipWithError("the garden's photos are not here");
   const PanoramaGrid& grid = capture->grid;
-  const LineTable table(capture->upright, grid, {}, kHalo);
+  const LineTable table(capture->upright, grid, {}, kHalo, LineTable::Layer::front);
   SlabScratch scratch(kernels);
   int longest = 0;
   for (const UprightFrame& frame : capture->upright) longest = std::max(longest, frame.columns.width);

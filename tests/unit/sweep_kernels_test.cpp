@@ -84,7 +84,7 @@ struct Seen {
 };
 
 // phi of one row from the samples that count, the first of them being the reference.
-int variance_of(const std::vector<Seen>& seen, int prior, bool with_doubt) {
+int variance_of(const std::vector<Seen>& seen, int prior) {
   if (seen.empty()) return kLargestVariance;
   if (seen.size() == 1) return prior;
   std::vector<int> deviation;
@@ -98,7 +98,7 @@ int variance_of(const std::vector<Seen>& seen, int prior, bool with_doubt) {
   for (size_t k = 3; k < seen.size(); ++k) doubt += std::min(8, deviation[k]);
   if (seen.size() > 3) doubt = doubt * (512 / (static_cast<int>(seen.size()) - 3)) / 256;
   const int agreeing = std::min<int>(kLargestVariance, 2 * (deviation[1] + deviation[seen.size() > 2 ? 2 : 1]));
-  return std::min<int>(kLargestVariance, agreeing + (with_doubt ? doubt : 0));
+  return std::min<int>(kLargestVariance, agreeing + doubt);
 }
 
 std::vector<const uint8_t*> pointers_to(const std::vector<std::vector<uint8_t>>& lines) {
@@ -121,7 +121,7 @@ TEST_P(SweepKernels, RobustVarianceOfTwoToEightViews) {
       for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
         std::vector<Seen> seen;
         for (size_t v = 0; v < samples.size(); ++v) seen.push_back({samples[v][i], tints[v][i]});
-        expected.push_back(static_cast<uint8_t>(variance_of(seen, 0, true)));
+        expected.push_back(static_cast<uint8_t>(variance_of(seen, 0)));
       }
       ASSERT_EQ(first(phi, count), expected) << views << " " << count;
       ASSERT_EQ(first(reference, count), first(samples[0], count));
@@ -148,7 +148,7 @@ TEST_P(SweepKernels, MaskedVarianceLooksOnlyAtWhatSees) {
         std::vector<Seen> seen;
         for (size_t v = 0; v < samples.size(); ++v)
           if (masks[v][i]) seen.push_back({samples[v][i], tints[v][i]});
-        expected.push_back(static_cast<uint8_t>(variance_of(seen, kPrior, false)));
+        expected.push_back(static_cast<uint8_t>(variance_of(seen, kPrior)));
         expected_reference.push_back(static_cast<uint8_t>(seen.empty() ? 128 : seen[0].grey));
       }
       ASSERT_EQ(first(phi, count), expected) << views << " " << count;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels.h"
 #include "simple_capture.h"
 #include "smooth.h"
 
@@ -70,6 +71,26 @@ TEST(Sweep, SurfacesOfOneGreyAreToldByTheirTint) {
     const auto first = costs.cost.begin() + static_cast<std::ptrdiff_t>(16 * pixel);
     EXPECT_EQ(std::min_element(first, first + 16) - first, label);
   }
+}
+
+TEST(Sweep, OnTheFrontLayerTheNearestCameraSeesWhatOthersDoNot) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  const std::vector<UprightFrame> frames = pictures(0.36);
+  std::vector<VisibilityMap> hiding(frames.size());  // all beyond a depth of 5
+  for (size_t i = 0; i < frames.size(); ++i) {
+    hiding[i].inverse_z = Plane<uint16_t>(frames[i].camera.height, frames[i].camera.width, 2000);
+    hiding[i].shrink = 1;
+    hiding[i].scale = 1e-4;
+  }
+  const SweepOptions options;
+  const Window window{40, 20, 10, 10};
+  const Costs front = read(Sweep(frames, grid, hiding, {}, options), window);
+  const DisparityMap nearest(grid.width, grid.height, kDisparitySteps);
+  const Costs behind = read(Sweep(frames, grid, hiding, nearest, options), window);
+  constexpr int kHidden = 3, kSeen = 9;  // labels at depths 8.3 and 2.8
+  EXPECT_EQ(front.cost[kHidden], options.prior_cost);
+  EXPECT_EQ(behind.cost[kHidden], kernels::kLargestVariance);
+  EXPECT_EQ(front.cost[kSeen], behind.cost[kSeen]);
 }
 
 TEST(Sweep, FindsTheLabelOfACylinderEverywhere) {
