@@ -27,7 +27,8 @@ class Doubts {
     const PairMatches* worst = nullptr;
     for (const PairMatches& pair : sweep_.pairs) {
       if (!posed(pair.a) || !posed(pair.b) || pair.matches.size() < kTelling) continue;
-      const double share = agreeing_share(pair);
+      const double share =
+          agreeing_share(sweep_, r_.bundle, pair, sweep_.pixels(kTolerance), r_.motion == Motion::rotation);
       if (share < least) least = share, worst = &pair;
     }
     if (!worst) return {};
@@ -93,25 +94,6 @@ class Doubts {
     const auto middle = inverse.begin() + static_cast<std::ptrdiff_t>(inverse.size() / 2);
     std::nth_element(inverse.begin(), middle, inverse.end());
     return 1 / *middle;
-  }
-
-  Sighting sighting(int frame, int feature) const {
-    const Pose& pose = camera(frame);
-    const bool turns = r_.motion == Motion::rotation;
-    return {pose.world_from_camera.transpose(), turns ? Eigen::Vector3d::Zero().eval() : pose.centre,
-            ray_of(sweep_.features[static_cast<size_t>(frame)].from_middle(feature), r_.bundle.lens)};
-  }
-
-  double agreeing_share(const PairMatches& pair) const {
-    const double tolerance = sweep_.pixels(kTolerance) / r_.bundle.lens.focal_px;
-    int agreeing = 0;
-    for (const Match& match : pair.matches) {
-      const std::vector<Sighting> sightings{sighting(pair.a, match.a), sighting(pair.b, match.b)};
-      const std::optional<InversePoint> point = triangulate_point(sightings);
-      if (point && sighting_error(*point, sightings[0]) < tolerance && sighting_error(*point, sightings[1]) < tolerance)
-        ++agreeing;
-    }
-    return agreeing / static_cast<double>(pair.matches.size());
   }
 
   std::vector<std::vector<bool>> shared_points() const {

@@ -15,6 +15,7 @@ constexpr size_t kCandidates = 12;        // pairs looked at for the beginning
 constexpr double kWantedParallax = 0.05;  // radians, median of the pair's points, that make a good beginning
 constexpr double kAnywhere = 1e3;         // sigma of the arc prior: only fixes what nothing else does
 constexpr int kPerFrame = 100;            // observations per frame while frames are added
+constexpr int kTellFocal = 5;             // frames from which the focal length is adjusted with them
 
 Eigen::Matrix3d eigen(const cv::Mat& m) {
   Eigen::Matrix3d result;
@@ -33,8 +34,9 @@ struct Pair {
 
 class Incremental {
  public:
-  Incremental(const MatchedSweep& sweep, const std::vector<Track>& tracks, double focal, const Job& job)
-      : sweep_(sweep), tracks_(tracks), job_(job), camera_(cv::Matx33d(focal, 0, 0, 0, focal, 0, 0, 0, 1)) {
+  Incremental(const MatchedSweep& sweep, const std::vector<Track>& tracks, double focal, const FocalPrior& prior,
+              const Job& job)
+      : sweep_(sweep), tracks_(tracks), job_(job), prior_(prior) {
     start_.bundle.lens.focal_px = focal;
     start_.bundle.cameras.resize(static_cast<size_t>(sweep.frames()));
     start_.posed.assign(static_cast<size_t>(sweep.frames()), false);
@@ -52,6 +54,10 @@ class Incremental {
 
  private:
   Bundle& bundle() { return start_.bundle; }
+  cv::Matx33d camera() const {
+    const double focal = start_.bundle.lens.focal_px;
+    return {focal, 0, 0, 0, focal, 0, 0, 0, 1};
+  }
   bool posed(int frame) const { return start_.posed[static_cast<size_t>(frame)]; }
 
   void pose(int frame, const Eigen::Matrix3d& camera_from_world, const Eigen::Vector3d& translation) {
@@ -88,12 +94,12 @@ class Incremental {
     }
     cv::Mat mask, r, t;
     const cv::Mat e =
-        cv::findEssentialMat(in_a, in_b, camera_, cv::RANSAC, 0.999, sweep_.pixels(0.5 * kTolerance), 500, mask);
+        cv::findEssentialMat(in_a, in_b, camera(), cv::RANSAC, 0.999, sweep_.pixels(0.5 * kTolerance), 500, mask);
     if (e.rows != 3 || e.cols != 3) return {};
-    const int good = cv::recoverPose(e, in_a, in_b, camera_, r, t, mask);
+    const int good = cv::recoverPose(e, in_a, in_b, camera(), r, t, mask);
     Pair pair{matches.a, matches.b, eigen(r), Eigen::Vector3d(t.at<double>(0), t.at<double>(1), t.at<double>(2)), 0};
     std::vector<double> parallax;
-    const double focal = camera_(0, 0);
+    const double focal = start_.bundle.lens.focal_px;
     for (size_t i = 0; i < in_a.size(); ++i) {
       if (mask.at<uchar>(static_cast<int>(i)) == 0) continue;
       const Eigen::Vector3d a = (pair.b_from_a * Eigen::Vector3d(in_a[i].x / focal, in_a[i].y / focal, 1)).normalized();
@@ -125,7 +131,8 @@ class Incremental {
     place_good(chosen, sweep_.pixels(3 * kTolerance), false, bundle(), job_);
     BundleOptions options;
     options.arc_sigma = kAnywhere;
-    options.refine_focal = false;
+    options.refine_focal = std::count(start_.posed.begin(), start_.posed.end(), true) >= kTellFocal;
+    options.focal_prior = prior_;
     options.loss_px = sweep_.pixels(0.5 * kTolerance);
     options.most_iterations = 10;
     adjust(bundle(), options, job_);
@@ -168,7 +175,7 @@ class Incremental {
       const size_t frame = static_cast<size_t>(most - points.begin());
       cv::Mat turn, translation, inliers, r;
       const bool found =
-          cv::solvePnPRansac(points[frame], places[frame], camera_, cv::noArray(), turn, translation, false, 300,
+          cv::solvePnPRansac(points[frame], places[frame], camera(), cv::noArray(), turn, translation, false, 300,
                              static_cast<float>(sweep_.pixels(2 * kTolerance)), 0.999, inliers, cv::SOLVEPNP_EPNP);
       if (found && inliers.rows >= static_cast<int>(kLeastShared) / 2) {
         cv::Rodrigues(turn, r);
@@ -195,7 +202,7 @@ class Incremental {
   const MatchedSweep& sweep_;
   const std::vector<Track>& tracks_;
   const Job& job_;
-  cv::Matx33d camera_;
+  FocalPrior prior_;
   GeneralStart start_;
 };
 
@@ -207,16 +214,19 @@ struct Outcome {
 }  // namespace
 
 std::optional<GeneralStart> general_start(const MatchedSweep& sweep, const std::vector<Track>& tracks,
-                                          const std::optional<FocalPrior>& prior, const Job& job) {
+                                          const std::optional<FocalPrior>& prior, double likely_focal_px,
+                                          const Job& job) {
   const double longer = std::max(sweep.features[0].width, sweep.features[0].height);
+  const FocalPrior weak = prior.value_or(FocalPrior{0.9 * longer, 0.5});
   std::vector<double> focals{0.55 * longer, 0.75 * longer, 1.0 * longer, 1.4 * longer};
   if (prior) focals = {0.9 * prior->focal_px, prior->focal_px, 1.1 * prior->focal_px};
+  focals.push_back(likely_focal_px);
   std::vector<Outcome> outcomes(focals.size());
   Job alone = job;  // of each candidate
   alone.threads = 1;
   parallel_for(job, static_cast<int>(focals.size()), [&](int i) {
     Outcome& outcome = outcomes[static_cast<size_t>(i)];
-    outcome.start = Incremental(sweep, tracks, focals[static_cast<size_t>(i)], alone).run();
+    outcome.start = Incremental(sweep, tracks, focals[static_cast<size_t>(i)], weak, alone).run();
     if (!outcome.start) return;
     std::vector<Track> seen;
     for (Track track : tracks) {
@@ -226,7 +236,7 @@ std::optional<GeneralStart> general_start(const MatchedSweep& sweep, const std::
     Bundle& bundle = outcome.start->bundle;
     BundleOptions options;
     options.arc_sigma = kAnywhere;
-    options.focal_prior = prior.value_or(FocalPrior{0.9 * longer, 0.5});
+    options.focal_prior = weak;
     options.loss_px = sweep.pixels(0.5 * kTolerance);
     place_good(longest_tracks(seen, sweep.frames(), kPerFrame), sweep.pixels(3 * kTolerance), false, bundle, alone);
     adjust(bundle, options, alone);

@@ -16,10 +16,10 @@ constexpr double kLeastBend = 0.14;     // radians that a path must turn to be a
 constexpr int kSeamTracks = 5;          // points seen on both sides of the seam of a closed sweep
 constexpr double kClosedGap = 0.6;      // of the field of view that may be missing where a sweep closes
 
-std::vector<Pose> posed_cameras(const Reconstruction& r) {
+std::vector<Pose> posed_cameras(const std::vector<std::string>& dropped, const Bundle& bundle) {
   std::vector<Pose> cameras;
-  for (size_t i = 0; i < r.dropped.size(); ++i) {
-    if (r.dropped[i].empty()) cameras.push_back(r.bundle.cameras[i]);
+  for (size_t i = 0; i < dropped.size(); ++i) {
+    if (dropped[i].empty()) cameras.push_back(bundle.cameras[i]);
   }
   return cameras;
 }
@@ -34,8 +34,14 @@ double share_beyond(const Bundle& bundle, double tolerance_px) {
   return beyond / std::max(1.0, static_cast<double>(bundle.observations.size()));
 }
 
-// How much of the centres' spread is explained by where the cameras look (centre = C + r forward).
-bool bends(const std::vector<Pose>& cameras) {
+// Centres as C + r forward, and whether that explains enough of their spread for an arc.
+struct Circle {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double radius = 0;
+  bool bends = false;
+};
+
+Circle fit_circle(const std::vector<Pose>& cameras) {
   Eigen::Vector3d c = Eigen::Vector3d::Zero(), f = c;
   const double count = static_cast<double>(cameras.size());
   for (const Pose& pose : cameras) c += pose.centre / count, f += pose.world_from_camera.col(2) / count;
@@ -47,7 +53,8 @@ bool bends(const std::vector<Pose>& cameras) {
     forwards += df.squaredNorm();
   }
   const double turn = std::sqrt(12 * forwards / count);  // of a path that turns evenly
-  return both > 0 && both * both > kArcShare * centres * forwards && turn > kLeastBend;
+  const double radius = forwards > 0 ? both / forwards : 0;
+  return {c - radius * f, radius, both > 0 && both * both > kArcShare * centres * forwards && turn > kLeastBend};
 }
 
 // Azimuths of the lines of sight about the mean up, sorted, with the widest gap: where the sweep would be open.
@@ -80,7 +87,7 @@ Seam widest_gap(std::vector<double> azimuths) {
 
 // Closed: all round, and points are seen from both sides of the widest gap.
 bool closes(const MatchedSweep& sweep, const Reconstruction& r) {
-  const std::vector<Pose> cameras = posed_cameras(r);
+  const std::vector<Pose> cameras = posed_cameras(r.dropped, r.bundle);
   const Eigen::Vector3d up = mean_up(cameras), e1 = up.unitOrthogonal(), e2 = up.cross(e1);
   std::vector<double> azimuths;
   for (const Pose& pose : cameras) azimuths.push_back(azimuth(pose, e1, e2));
@@ -116,8 +123,16 @@ bool only_turns(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bun
   return true;
 }
 
+bool move_to_sphere(const std::vector<std::string>& dropped, Bundle& bundle) {
+  const Circle circle = fit_circle(posed_cameras(dropped, bundle));
+  if (!circle.bends) return false;
+  for (Pose& pose : bundle.cameras) pose.centre = (pose.centre - circle.centre) / circle.radius;
+  return true;
+}
+
 void describe_motion(const MatchedSweep& sweep, Reconstruction& reconstruction) {
-  reconstruction.motion = bends(posed_cameras(reconstruction)) ? Motion::arc : Motion::straight;
+  reconstruction.motion =
+      fit_circle(posed_cameras(reconstruction.dropped, reconstruction.bundle)).bends ? Motion::arc : Motion::straight;
   reconstruction.closed = closes(sweep, reconstruction);
 }
 

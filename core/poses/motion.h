@@ -10,6 +10,10 @@ namespace ldp {
 // that model; `bundle` is then that solution, all points at infinity and all centres on the sphere, else as it was.
 bool only_turns(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job);
 
+// Puts cameras that go round an arc where the sphere of spherical.h has them: the circle's centre at the origin, its
+// radius 1. False, and nothing changed, when they do not go round one.
+bool move_to_sphere(const std::vector<std::string>& dropped, Bundle& bundle);
+
 // Arc or straight, and closed.
 void describe_motion(const MatchedSweep& sweep, Reconstruction& reconstruction);
 

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -25,6 +26,9 @@ constexpr double kFarArc = 0.2;                      // for hands that leave it
 constexpr double kOverrules = 1.1;                   // by so much more must cameras off the circle explain
 constexpr double kNoArc = 1e3;                       // for paths that are none
 constexpr double kBetter = 1.2;                      // by so much more must other motion explain to be preferred
+constexpr double kBetterArc = 1.05;                  // the same where it turns out to be an arc after all
+constexpr double kTorn = 0.3, kTornPixels = 12;      // share of a pair's matches that must agree within so many
+                                                     // pixels of 800 for it to hold
 constexpr double kEnough = 0.75;  // share of the observations that must fit, else other motion is tried
 constexpr double kLossOfTolerance = 0.3, kLargestLoss = 0.8;  // pixels of 800
 constexpr size_t kRich = 1000;                 // observations per frame that make a second look for matches needless
@@ -33,15 +37,24 @@ constexpr int kHeld = 150;                     // followed observations that a f
 constexpr double kRough = 1e-4, kFine = 1e-6;  // where rounds end whose points the next places anew, and the others
 constexpr double kBends = 20;                  // variances by which free distortion must lower the cost to be believed
 
-// Frames that hang together by matches, the largest such group; the others are dropped with a reason.
-std::vector<std::string> loose_frames(const MatchedSweep& sweep) {
+// Frames that hang together by pairs that count: the same number for all of a group.
+std::vector<int> groups(const MatchedSweep& sweep, const std::function<bool(const PairMatches&)>& counts) {
   std::vector<int> group(static_cast<size_t>(sweep.frames()));
   std::iota(group.begin(), group.end(), 0);
+  for (const PairMatches& pair : sweep.pairs) {
+    if (!counts(pair)) continue;
+    const int from = group[static_cast<size_t>(pair.b)], to = group[static_cast<size_t>(pair.a)];
+    std::replace(group.begin(), group.end(), from, to);
+  }
+  return group;
+}
+
+// All but the largest group that hangs together by matches are dropped with a reason.
+std::vector<std::string> loose_frames(const MatchedSweep& sweep) {
+  const std::vector<int> group = groups(sweep, [](const PairMatches&) { return true; });
   std::vector<int> partners(group.size(), 0);
   for (const PairMatches& pair : sweep.pairs) {
     ++partners[static_cast<size_t>(pair.a)], ++partners[static_cast<size_t>(pair.b)];
-    const int from = group[static_cast<size_t>(pair.b)], to = group[static_cast<size_t>(pair.a)];
-    std::replace(group.begin(), group.end(), from, to);
   }
   int best = 0, most = 0;
   for (const int g : group) {
@@ -170,14 +183,30 @@ void first_round(const MatchedSweep& sweep, const std::vector<Track>& tracks, Ro
   rounds.leave_the_arc();
 }
 
+// Whether the sweep fell apart: photos hang together by matches, but no longer by those that agree with the cameras.
+bool torn(const MatchedSweep& sweep, const Reconstruction& r) {
+  const std::vector<int> group = groups(sweep, [&](const PairMatches& pair) {
+    return agreeing_share(sweep, r.bundle, pair, sweep.pixels(kTornPixels)) >= kTorn;
+  });
+  int first = -1;
+  for (size_t i = 0; i < group.size(); ++i) {
+    if (!r.dropped[i].empty()) continue;
+    if (first < 0) first = group[i];
+    if (group[i] != first) return true;
+  }
+  return false;
+}
+
 // Where spherical motion leaves too much unexplained, general motion gets its chance; the one that explains more stays.
 void try_general_motion(const MatchedSweep& sweep, const std::vector<Track>& tracks,
                         const std::optional<FocalPrior>& focal, Rounds& rounds, const Job& job,
                         Reconstruction& result) {
   Reconstruction spherical = result;
   spherical.tracks = place_good(tracks, sweep.pixels(kMatched[2]), false, spherical.bundle, job);
-  if (static_cast<double>(observations(spherical.tracks)) > kEnough * static_cast<double>(observations(tracks))) return;
-  std::optional<GeneralStart> start = general_start(sweep, tracks, focal, job);
+  const auto count = [](const Reconstruction& r) { return static_cast<double>(observations(r.tracks)); };
+  const bool poor = count(spherical) <= kEnough * static_cast<double>(observations(tracks));
+  if (!poor && !torn(sweep, result)) return;
+  std::optional<GeneralStart> start = general_start(sweep, tracks, focal, result.bundle.lens.focal_px, job);
   if (!start) return;
   Reconstruction general = result;
   general.bundle = std::move(start->bundle);
@@ -185,11 +214,11 @@ void try_general_motion(const MatchedSweep& sweep, const std::vector<Track>& tra
     if (!start->posed[i] && general.dropped[i].empty())
       general.dropped[i] = "it shares too few points with the other photos";
   }
+  const bool arc = move_to_sphere(general.dropped, general.bundle);
   general.tracks =
       place_good(connected(tracks, general.dropped), sweep.pixels(kMatched[2]), false, general.bundle, job);
-  const auto count = [](const Reconstruction& r) { return static_cast<double>(observations(r.tracks)); };
-  if (count(general) < kBetter * count(spherical)) return;
-  rounds.forget_the_arc();
+  if (count(general) < (arc ? kBetterArc : kBetter) * count(spherical)) return;
+  arc ? rounds.leave_the_arc() : rounds.forget_the_arc();
   result = std::move(general);
 }
 

@@ -116,6 +116,22 @@ double MatchedSweep::pixels(double of_800) const {
   return of_800 * std::max(features[0].width, features[0].height) / 800;
 }
 
+double agreeing_share(const MatchedSweep& sweep, const Bundle& bundle, const PairMatches& pair, double tolerance_px,
+                      bool at_infinity) {
+  const auto observation = [&](int frame, int feature) {
+    return Observation{frame, feature, sweep.features[static_cast<size_t>(frame)].from_middle(feature)};
+  };
+  const double tolerance = tolerance_px / bundle.lens.focal_px;
+  const auto agrees = [&](const Match& match) {
+    const Track both{observation(pair.a, match.a), observation(pair.b, match.b)};
+    const std::vector<Sighting> s = sightings(both, bundle, at_infinity);
+    const std::optional<InversePoint> point = triangulate_point(s);
+    return point && sighting_error(*point, s[0]) < tolerance && sighting_error(*point, s[1]) < tolerance;
+  };
+  return static_cast<double>(std::count_if(pair.matches.begin(), pair.matches.end(), agrees)) /
+         static_cast<double>(pair.matches.size());
+}
+
 std::vector<Track> longest_tracks(std::vector<Track> tracks, int frames, int per_frame) {
   std::stable_sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.size() > b.size(); });
   std::vector<int> seen(static_cast<size_t>(frames), 0);

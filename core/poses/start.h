@@ -36,6 +36,10 @@ void place_all(const std::vector<Track>& tracks, Bundle& bundle);
 std::vector<Track> place_good(const std::vector<Track>& tracks, double tolerance_px, bool at_infinity, Bundle& bundle,
                               const Job& job);
 
+// How many of a pair's matches agree with the cameras within the tolerance.
+double agreeing_share(const MatchedSweep& sweep, const Bundle& bundle, const PairMatches& pair, double tolerance_px,
+                      bool at_infinity = false);
+
 // Longest tracks first, until every frame has its share.
 std::vector<Track> longest_tracks(std::vector<Track> tracks, int frames, int per_frame);
 
