@@ -6,6 +6,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "prepared_layer.h"
+#include "underlay.h"
+
 namespace ldp::render {
 namespace {
 
@@ -28,12 +31,6 @@ float code_step(const PanoramaGrid& grid, const DepthCodes& depth, int x, int y)
   return static_cast<float>((grid.w_near - grid.w_far) * (range.high - range.low) / kDisparitySteps);
 }
 
-struct PreparedLayer {
-  MeshLayer mesh;
-  Plane<float> code_w;  // inverse depth exactly as coded, for telling surfaces apart
-  Plane<float> step;    // difference of inverse depth between neighbouring codes
-};
-
 PreparedLayer prepare_layer(const PanoramaGrid& grid, const Layer& layer) {
   const int columns = grid.wraps ? grid.width + 1 : grid.width;
   PreparedLayer prepared{{Plane<float>(columns, grid.height, kAbsent), Plane<Rgba>(columns, grid.height)},
@@ -50,12 +47,6 @@ PreparedLayer prepare_layer(const PanoramaGrid& grid, const Layer& layer) {
     }
   prepared.code_w = prepared.mesh.w;
   return prepared;
-}
-
-// Whether two pixels whose codes stand for inverse depths a and b are of one surface.
-bool connected(float a, float a_step, float b, float b_step, float parallax) {
-  if (a < 0 || b < 0) return false;
-  return std::abs(a - b) <= 0.51F * (a_step + b_step) + kSlant * std::max(a, b) + parallax;
 }
 
 // Takes the steps out of coarsely coded surfaces (a block that an edge crosses has one range for both sides): every
@@ -158,6 +149,7 @@ Builder::Builder(const LayeredPanorama& panorama) : grid_(panorama.grid) {
     // With one range for all, neighbouring codes are as often two surfaces as one.
     if (panorama.layers[i].depth.block_px != 0) CodeSmoother(layers_.back(), parallax_).run();
   }
+  if (!layers_.empty()) layers_.push_back(make_underlay(layers_, grid_.wraps, parallax_));
 }
 
 Corner Builder::corner(int layer, int x, int y) const {
@@ -280,6 +272,11 @@ Mesh Builder::build() {
 }
 
 }  // namespace
+
+bool connected(float a, float a_step, float b, float b_step, float parallax) {
+  if (a < 0 || b < 0) return false;
+  return std::abs(a - b) <= 0.51F * (a_step + b_step) + kSlant * std::max(a, b) + parallax;
+}
 
 Mesh build_mesh(const LayeredPanorama& panorama) { return Builder(panorama).build(); }
 

@@ -54,8 +54,8 @@ struct MeshTile {
 };
 
 struct Mesh {
-  std::vector<MeshLayer> layers;
-  std::vector<MeshTile> tiles;  // layer by layer, only those with a quad
+  std::vector<MeshLayer> layers;  // the panorama's, then the underlay (underlay.h)
+  std::vector<MeshTile> tiles;    // layer by layer, only those with a quad
 };
 
 Mesh build_mesh(const LayeredPanorama& panorama);

@@ -87,9 +87,11 @@ View Renderer::render(const Camera& camera, const RenderOptions& options, const 
   if (options.depth || options.fill != Fill::none) inverse_z = Plane<float>(k.width, k.height);
   const render::ViewFrustum frustum(prepared_->grid, camera);
   const render::Window window = frustum.window(0, k.width);
+  const auto all = static_cast<int>(prepared_->mesh.layers.size());
+  const int drawn = options.layers < all - 1 ? options.layers : all;  // the underlay lies behind the last layer
   std::vector<const render::MeshTile*> tiles;
   for (const render::MeshTile& tile : prepared_->mesh.tiles)
-    if (tile.layer < options.layers && frustum.sees(tile, window)) tiles.push_back(&tile);
+    if (tile.layer < drawn && frustum.sees(tile, window)) tiles.push_back(&tile);
   const int strips = (k.width + kStripPx - 1) / kStripPx;
   parallel_for(job, strips, [&](int i) {
     auto strip = prepared_->take_strip();
