@@ -29,8 +29,11 @@ std::vector<Heading> edge_headings(const PanoramaGrid& grid) {
 
 // First map pixel whose centre lies at or after a position in upright pixels.
 int first_pixel(double position_px, int shrink, int limit) {
-  const double pixel = std::ceil(position_px / shrink - 0.5);
-  return static_cast<int>(std::clamp(pixel, 0.0, static_cast<double>(limit)));
+  const double pixel = (shrink == 1 ? position_px : position_px / shrink) - 0.5;
+  if (!(pixel > 0)) return 0;
+  if (pixel >= limit) return limit;
+  const int whole = static_cast<int>(pixel);
+  return whole + (whole < pixel ? 1 : 0);
 }
 
 // Disparity steps that shift a voxel by so many pixels when the eye moves by one arc radius.
@@ -39,34 +42,47 @@ double parallax_steps(const PanoramaGrid& grid, double px) {
   return range <= 0 ? kLabelSteps : px * grid.v_pitch / (std::max(grid.arc.radius, 1e-9) * range) * kDisparitySteps;
 }
 
+// What painting a layer into any camera's map needs.
+struct Brush {
+  const PanoramaGrid& grid;
+  std::vector<Heading> edges;
+  std::vector<double> edges_v;
+  std::vector<double> inverse_depths;  // of half disparity steps
+  Plane<uint16_t> columns;             // the layer's
+
+  Brush(const PanoramaGrid& on, const DisparityMap& layer)
+      : grid(on), edges(edge_headings(on)), columns(layer.height, layer.width) {
+    for (int y = 0; y <= grid.height; ++y) edges_v.push_back(grid.v(y));
+    for (int i = 0; i <= 2 * kDisparitySteps; ++i) inverse_depths.push_back(inverse_depth(grid, 0.5 * i));
+    for (int y = 0; y < layer.height; ++y)
+      for (int x = 0; x < layer.width; ++x) columns.at(y, x) = layer.at(x, y);
+  }
+};
+
 // Draws layers into one camera's map.
 class MapPainter {
  public:
-  MapPainter(const PanoramaGrid& grid, const std::vector<Heading>& edges, const UprightCamera& camera,
-             const LayersOptions& options, VisibilityMap& map)
-      : grid_(grid),
-        edges_(edges),
-        projection_(grid, camera),
-        connect_steps_(parallax_steps(grid, options.connect_px)),
+  MapPainter(const Brush& brush, const UprightCamera& camera, const LayersOptions& options, VisibilityMap& map)
+      : grid_(brush.grid),
+        brush_(brush),
+        projection_(grid_, camera),
+        connect_steps_(parallax_steps(grid_, options.connect_px)),
         connect_share_(options.connect_share),
-        far_steps_(grid.w_far / std::max(1e-9, grid.w_near - grid.w_far) * kDisparitySteps),
-        map_(map) {
-    for (int y = 0; y <= grid.height; ++y) edges_v_.push_back(grid.v(y));
-  }
+        far_steps_(grid_.w_far / std::max(1e-9, grid_.w_near - grid_.w_far) * kDisparitySteps),
+        map_(map) {}
 
-  // One column of a layer.
-  void paint(const DisparityMap& layer, int x) {
-    const Heading left = edges_[static_cast<size_t>(x)], right = edges_[static_cast<size_t>(x) + 1];
+  // One column of the layer.
+  void paint(int x) {
+    const Heading left = brush_.edges[static_cast<size_t>(x)], right = brush_.edges[static_cast<size_t>(x) + 1];
     if (!in_view(left) && !in_view(right)) return;
     const Sides sides{projection_.column(left), projection_.column(right)};
     if (beside_view(sides)) return;
     const int before = neighbour_column(grid_, x - 1), after = neighbour_column(grid_, x + 1);
-    for (int y = 0; y < grid_.height; ++y) {
-      const int d = layer.at(x, y);
-      if (d == kNoDisparity) continue;
-      paint_pixel(sides, y, before < 0 ? d : shared_edge(d, layer.at(before, y)), d,
-                  after < 0 ? d : shared_edge(d, layer.at(after, y)));
-    }
+    const uint16_t *here = brush_.columns.row(x), *to_left = brush_.columns.row(before < 0 ? x : before),
+                   *to_right = brush_.columns.row(after < 0 ? x : after);
+    for (int y = 0; y < grid_.height; ++y)
+      if (const int d = here[y]; d != kNoDisparity)
+        paint_pixel(sides, y, shared_edge(d, to_left[y]), d, shared_edge(d, to_right[y]));
   }
 
  private:
@@ -74,11 +90,11 @@ class MapPainter {
     VoxelProjection::Column left, right;
   };
 
-  double shared_edge(int d, int neighbour) const {
-    if (neighbour == kNoDisparity) return d;
+  // In half steps.
+  int shared_edge(int d, int neighbour) const {
+    if (neighbour == kNoDisparity) return 2 * d;
     const double limit = connect_steps_ + connect_share_ * (far_steps_ + std::max(d, neighbour));
-    if (std::abs(d - neighbour) > limit) return d;
-    return 0.5 * (d + neighbour);
+    return std::abs(d - neighbour) > limit ? 2 * d : d + neighbour;
   }
 
   // May any voxel of this heading appear in the map?
@@ -99,11 +115,13 @@ class MapPainter {
            always(sides.right, [](double x_px) { return x_px < -1; });
   }
 
-  void paint_pixel(const Sides& sides, int y, double d_left, int d, double d_right) {
+  // Its disparity, and those of its sides in half steps.
+  void paint_pixel(const Sides& sides, int y, int left_half_steps, int d, int right_half_steps) {
     const auto& [left, right] = sides;
     const VoxelProjection::Column middle{0.5 * (left.right + right.right), 0.5 * (left.forward + right.forward)};
-    const double w_left = inverse_depth(grid_, d_left), w = inverse_depth(grid_, d),
-                 w_right = inverse_depth(grid_, d_right);
+    const std::vector<double>& depths = brush_.inverse_depths;
+    const double w_left = depths[static_cast<size_t>(left_half_steps)], w = depths[static_cast<size_t>(2 * d)],
+                 w_right = depths[static_cast<size_t>(right_half_steps)];
     const double forward = projection_.forward(middle, w);
     if (forward < 0.1 || projection_.forward(left, w_left) < 0.1 || projection_.forward(right, w_right) < 0.1) return;
     const int shrink = map_.shrink;
@@ -112,8 +130,8 @@ class MapPainter {
     if (x0 >= x1) return;
     const double slope = projection_.row_slope(forward), offset = projection_.row_offset(w, forward);
     const auto row = static_cast<size_t>(y);
-    const int y0 = first_pixel(offset + slope * edges_v_[row], shrink, map_.inverse_z.width);
-    const int y1 = first_pixel(offset + slope * edges_v_[row + 1], shrink, map_.inverse_z.width);
+    const int y0 = first_pixel(offset + slope * brush_.edges_v[row], shrink, map_.inverse_z.width);
+    const int y1 = first_pixel(offset + slope * brush_.edges_v[row + 1], shrink, map_.inverse_z.width);
     const auto depth = static_cast<uint16_t>(std::clamp(w / forward / map_.scale, 1.0, 65535.0));
     for (int column = x0; column < x1; ++column) {
       uint16_t* out = map_.inverse_z.row(column);
@@ -122,8 +140,7 @@ class MapPainter {
   }
 
   const PanoramaGrid& grid_;
-  const std::vector<Heading>& edges_;
-  std::vector<double> edges_v_;
+  const Brush& brush_;
   VoxelProjection projection_;
   double connect_steps_, connect_share_, far_steps_;  // disparity steps; far_steps_ + disparity is the inverse depth
   VisibilityMap& map_;
@@ -276,13 +293,13 @@ void add_layer(const PanoramaGrid& grid, const DisparityMap& layer, const std::v
     throw std::logic_error("visibility: shrink is " + std::to_string(options.shrink) + ", must be >= 1");
   if (maps.empty())
     for (const UprightFrame& frame : frames) maps.push_back(empty_map(grid, frame.camera, options));
-  const std::vector<Heading> edges = edge_headings(grid);
+  const Brush brush(grid, layer);
   parallel_for(job, static_cast<int>(frames.size()), [&](int i) {
     const auto index = static_cast<size_t>(i);
-    MapPainter painter(grid, edges, frames[index].camera, options, maps[index]);
+    MapPainter painter(brush, frames[index].camera, options, maps[index]);
     for (int x = 0; x < grid.width; ++x) {
       if (x % kColumnsAtOnce == 0) job.check();
-      painter.paint(layer, x);
+      painter.paint(x);
     }
     close_hairlines(maps[index]);
   });

@@ -36,7 +36,8 @@ struct PixelTerms {
   size_t bytes() const;
   // To be called when the greys were filled.
   void find_grey_ranges();
-  // Columns [from, from + count) of another, of the same height, become columns [to, to + count) of this.
+  // Columns [from, from + count) of another, of the same height, become columns [to, to + count) of this. The other may
+  // be this, with to <= from.
   void take_columns(const PixelTerms& other, int from, int count, int to);
 
   const uint16_t* costs(int p) const { return cost.data() + static_cast<ptrdiff_t>(p) * kSlots; }

@@ -1,7 +1,6 @@
 #include "strip.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace ldp {
 
@@ -26,19 +25,18 @@ void Strip::load_piece(int index) {
 }
 
 void Strip::move() {
-  spare_.resize(next_width_, source_.height(), source_.has_positions());
-  if (kept_ > 0) spare_.take_columns(terms_, kept_from_, kept_, 0);
+  if (kept_ > 0) terms_.take_columns(terms_, kept_from_, kept_, 0);  // in place, towards the front
+  terms_.resize(next_width_, source_.height(), source_.has_positions());
   int first = kept_;
   for (const PixelTerms& piece : pieces_) {
-    spare_.take_columns(piece, 0, piece.width, first);
+    terms_.take_columns(piece, 0, piece.width, first);
     first += piece.width;
   }
-  std::swap(terms_, spare_);
   begin_ = next_begin_;
 }
 
 size_t Strip::bytes() const {
-  size_t sum = terms_.bytes() + spare_.bytes();
+  size_t sum = terms_.bytes();
   for (const PixelTerms& piece : pieces_) sum += piece.bytes();
   return sum;
 }

@@ -40,7 +40,7 @@ class Strip {
   const Smoothness& smoothness_;
   int begin_ = 0, next_begin_ = 0, next_width_ = 0;
   int kept_from_ = 0, kept_ = 0;  // columns of the strip that the next place shares
-  PixelTerms terms_, spare_;
+  PixelTerms terms_;
   std::vector<PixelTerms> pieces_;
 };
 

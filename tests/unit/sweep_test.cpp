@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -131,6 +132,31 @@ TEST(Sweep, LabelsInFrontOfTheLayerBeforeAreForbidden) {
   const Sweep sweep(frames, grid, {}, front, {});
   const Costs costs = read(sweep, {50, 30, 1, 1});
   for (size_t label = 0; label < 16; ++label) EXPECT_EQ(costs.cost[label] == 255, label >= 8) << label;
+}
+
+TEST(Sweep, LabelsBehindHaveTheGreysOfASweepOfAllAndThoseInFrontTheGreyOfTheNearestBehind) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  const auto frames = pictures(0.25);
+  DisparityMap front(grid.width, grid.height);
+  std::mt19937 random(5);
+  for (uint16_t& d : front.samples) d = static_cast<uint16_t>(random() % 3 == 0 ? random() % kDisparitySteps : 0);
+  std::fill(front.row(3), front.row(3) + grid.width, kNoDisparity);
+  const Sweep all(frames, grid, {}, {}, {}), behind(frames, grid, {}, front, {});
+  const Window window{50, 0, 23, 40};
+  const Costs expected = read(all, window), found = read(behind, window);
+  size_t at = 0;
+  for (int x = window.x; x < window.x + window.width; ++x)
+    for (int y = window.y; y < window.y + window.height; ++y, at += 16) {
+      const int surface = front.at(x, y);
+      int grey = 128;
+      for (size_t label = 0; label < 16; ++label) {
+        const bool allowed =
+            surface == kNoDisparity || (2 * static_cast<int>(label) + 1) * kDisparitySteps < 30 * surface;
+        if (allowed) grey = expected.grey[at + label];
+        ASSERT_EQ(found.grey[at + label], grey) << x << "," << y << " label " << label;
+        ASSERT_EQ(found.cost[at + label] == 255, !allowed);
+      }
+    }
 }
 
 // How many cameras have the voxel well inside their photos, and how many may have it on their border.
