@@ -1,8 +1,9 @@
 // Poses of the data sets: how many frames, how far from truth where truth is known, how long.
 //
 //   poses_bench                            the table over every data set
-//   poses_bench --sweeps N [--first SEED] [--size WxH] [--scene NAME] [--cache DIR]
-//                                          N synthetic sweeps of every kind, a table and the failures by name
+//   poses_bench --sweeps N [--first SEED] [--size WxH] [--scene NAME] [--cache DIR] [--fov-factor FACTOR]
+//                                          N synthetic sweeps of every kind, a table and the failures by name; the
+//                                          field of view is told so many times too wide, or not at all
 //   poses_bench FOLDER [--fov DEGREES] [--cameras transforms.json] [--threads N] [-o transforms.json] [-v]
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -139,7 +140,7 @@ Score score(const std::vector<Camera>& found, const std::vector<Camera>& truth) 
 struct Arguments {
   fs::path folder, cameras, output, cache;
   std::string scene;
-  double fov = 0;
+  double fov = 0, fov_factor = 0;
   int threads = 2, sweeps = 0, width = 640, height = 480;
   unsigned first = 1;
   bool verbose = false;
@@ -288,7 +289,9 @@ bool run_sweep(unsigned seed, const Arguments& arguments) {
   job.threads = arguments.threads;
   bool good = false;
   try {
-    const Poses poses = estimate_poses(source, PosesOptions{}, job);
+    PosesOptions told;
+    if (arguments.fov_factor > 0) told.fov_rad = arguments.fov_factor * path.fov_rad;
+    const Poses poses = estimate_poses(source, told, job);
     const Score s = score(poses.cameras, source.truth());
     good = poses.cameras.size() == source.truth().size() && s.centre_median < 2 && s.rotation_median < 0.1;
     std::printf("%s %zu posed, %s%s, %.2f px, centre %.2f %% (max %.2f), rotation %.3f deg, focal %.2f %%\n",
@@ -319,6 +322,8 @@ Arguments parse(int argc, char** argv) {
     const auto value = [&] { return i + 1 < argc ? argv[++i] : throw std::runtime_error(a + " needs a value"); };
     if (a == "--fov")
       arguments.fov = std::stod(value());
+    else if (a == "--fov-factor")
+      arguments.fov_factor = std::stod(value());
     else if (a == "--cameras")
       arguments.cameras = value();
     else if (a == "--threads")
