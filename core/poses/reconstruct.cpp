@@ -27,6 +27,7 @@ constexpr double kOverrules = 1.1;                   // by so much more must cam
 constexpr double kNoArc = 1e3;                       // for paths that are none
 constexpr double kBetter = 1.2;                      // by so much more must other motion explain to be preferred
 constexpr double kBetterArc = 1.05;                  // the same where it turns out to be an arc after all
+constexpr double kTornMatches = 0.05;                // of all matches, in pairs that do not hold
 constexpr double kTorn = 0.3, kTornPixels = 12;      // share of a pair's matches that must agree within so many
                                                      // pixels of 800 for it to hold
 constexpr double kEnough = 0.75;  // share of the observations that must fit, else other motion is tried
@@ -183,11 +184,18 @@ void first_round(const MatchedSweep& sweep, const std::vector<Track>& tracks, Ro
   rounds.leave_the_arc();
 }
 
-// Whether the sweep fell apart: photos hang together by matches, but no longer by those that agree with the cameras.
+// Whether the sweep fell apart: photos hang together by matches, but no longer by those that agree with the cameras; or
+// too many matches are of photos that do not agree.
 bool torn(const MatchedSweep& sweep, const Reconstruction& r) {
+  double all = 0, against = 0;
   const std::vector<int> group = groups(sweep, [&](const PairMatches& pair) {
-    return agreeing_share(sweep, r.bundle, pair, sweep.pixels(kTornPixels)) >= kTorn;
+    const double matches = static_cast<double>(pair.matches.size());
+    const bool holds = agreeing_share(sweep, r.bundle, pair, sweep.pixels(kTornPixels)) >= kTorn;
+    all += matches;
+    if (!holds) against += matches;
+    return holds;
   });
+  if (against > kTornMatches * all) return true;
   int first = -1;
   for (size_t i = 0; i < group.size(); ++i) {
     if (!r.dropped[i].empty()) continue;

@@ -12,8 +12,10 @@ namespace ldp {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kSpherical = 4;  // hands leave the sphere: jitter shows as so many pixels
-constexpr int kHypotheses = 10;   // focal lengths tried when nothing is known
+constexpr double kSpherical = 4;    // hands leave the sphere: jitter shows as so many pixels
+constexpr double kAgreeing = 12;    // pixels of 800 within which a start explains an observation
+constexpr double kRightSide = 0.5;  // of what the best explains must others explain
+constexpr int kHypotheses = 10;     // focal lengths tried when nothing is known
 constexpr double kWidestView = 105 * kDegree, kNarrowestView = 18 * kDegree;  // of the longer side
 constexpr size_t kRaysPerPair = 100;                                          // matches that vote for a pair's rotation
 constexpr int kCoarsePerFrame = 50;             // observations per frame that decide between focal lengths
@@ -194,6 +196,24 @@ std::vector<Track> place_good(const std::vector<Track>& tracks, double tolerance
   return kept;
 }
 
+// Without those that explain little with points in front of the cameras. Cost does not ask for that: where little
+// parallax shows, motion the other way round with the world inside out may cost less than the truth.
+std::vector<Start> right_side_out(const MatchedSweep& sweep, const std::vector<Track>& tracks,
+                                  std::vector<Start> candidates, const Job& job) {
+  std::vector<size_t> agreeing;
+  for (const Start& candidate : candidates) {
+    Bundle placed = candidate.bundle;
+    place_good(tracks, sweep.pixels(kAgreeing), false, placed, job);
+    agreeing.push_back(placed.observations.size());
+  }
+  const double least = kRightSide * static_cast<double>(*std::max_element(agreeing.begin(), agreeing.end()));
+  std::vector<Start> kept;
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    if (static_cast<double>(agreeing[i]) >= least) kept.push_back(std::move(candidates[i]));
+  }
+  return kept;
+}
+
 std::vector<Bundle> starts(const MatchedSweep& sweep, const std::vector<Track>& tracks,
                            const std::optional<FocalPrior>& prior, const Job& job) {
   const std::vector<Track> coarse = longest_tracks(tracks, sweep.frames(), kCoarsePerFrame);
@@ -217,11 +237,11 @@ std::vector<Bundle> starts(const MatchedSweep& sweep, const std::vector<Track>& 
     place_all(coarse, start.bundle);
     adjust(start, options, alone);
   });
-  candidates = best_of(std::move(candidates), kFreed);
+  candidates = best_of(right_side_out(sweep, coarse, std::move(candidates), job), kFreed);
   options.model = Model::free;
   parallel_for(job, static_cast<int>(candidates.size()),
                [&](int i) { adjust(candidates[static_cast<size_t>(i)], options, alone); });
-  candidates = best_of(std::move(candidates), kFreed);
+  candidates = best_of(right_side_out(sweep, coarse, std::move(candidates), job), kFreed);
   std::vector<Bundle> bundles;
   for (Start& candidate : candidates) bundles.push_back(std::move(candidate.bundle));
   return bundles;
