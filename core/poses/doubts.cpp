@@ -9,6 +9,8 @@ namespace ldp {
 namespace {
 
 constexpr double kTolerance = 4;     // pixels of 800 that a match may miss the poses by
+constexpr int kTellingReach = 3;     // frames between photos of a pair; farther ones share little, and repeated things
+                                     // pass for matches there though the poses are true (5 of 56 good sweeps)
 constexpr size_t kTelling = 30;      // matches of a pair from which its disagreement tells something
 constexpr double kLeastShare = 0.5;  // of a pair's matches must agree with the poses
 constexpr int kLeastTies = 12;       // points that tie a photo to those before it
@@ -27,6 +29,7 @@ class Doubts {
     const PairMatches* worst = nullptr;
     for (const PairMatches& pair : sweep_.pairs) {
       if (!posed(pair.a) || !posed(pair.b) || pair.matches.size() < kTelling) continue;
+      if (pair.b - pair.a > kTellingReach) continue;
       const double share =
           agreeing_share(sweep_, r_.bundle, pair, sweep_.pixels(kTolerance), r_.motion == Motion::rotation);
       if (share < least) least = share, worst = &pair;
