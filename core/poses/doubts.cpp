@@ -9,8 +9,8 @@ namespace ldp {
 namespace {
 
 constexpr double kTolerance = 4;     // pixels of 800 that a match may miss the poses by
-constexpr int kTellingReach = 3;     // frames between photos of a pair; farther ones share little, and repeated things
-                                     // pass for matches there though the poses are true (5 of 56 good sweeps)
+constexpr int kTellingReach = 2;     // frames between photos of a pair; farther ones share little, and repeated things
+                                     // pass for matches there though the poses are true
 constexpr size_t kTelling = 30;      // matches of a pair from which its disagreement tells something
 constexpr double kLeastShare = 0.5;  // of a pair's matches must agree with the poses
 constexpr int kLeastTies = 12;       // points that tie a photo to those before it
