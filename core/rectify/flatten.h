@@ -1,5 +1,5 @@
-// Takes most of the slow shading out of a grey photo, keeping its texture and the order of its surfaces, so that
-// reflections that move with the camera, vignetting and what exposure gains leave over do not look like depth.
+// Takes most of the slow shading out of one plane of a photo, keeping its texture and the order of its surfaces, so
+// that reflections that move with the camera, vignetting and what exposure gains leave over do not look like depth.
 //
 // Takes and gives a plane of kSampleScale times 8-bit values: out = in - 0.8 (base - 128), clamped, where base is the
 // bilateral mean: of pixels near by whose value is near too, so that a surface's mean does not depend on what stands

@@ -1,7 +1,7 @@
 // Turns photographs upright and even in exposure, once, for the sweep (DESIGN 1, idea 1).
 //
-// Takes frames, their cameras, the arc; gives UprightFrames (grey, column-major) and gains. Colour is fetched later,
-// frame by frame, through `upright_colour`.
+// Takes frames, their cameras, the arc; gives UprightFrames (grey and tint, column-major) and gains. Colour is fetched
+// later, frame by frame, through `upright_colour`.
 //
 // How: the upright camera keeps the photo's centre and focal length; its image spans the photo's outline, but at most
 // kMaxUprightTangent either side of its axis. Samples are Catmull-Rom interpolated at positions rounded to 1/256 pixel,

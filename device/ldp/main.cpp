@@ -84,8 +84,6 @@ CLI::App& add_command(Program& program, const std::string& name, const std::stri
   return command;
 }
 
-}  // namespace ldp
-
 // Planes come and go with the stages. Each in a mapping of its own goes back to the system when it is freed, so that
 // the peak is that of one stage, not the sum of what fragments leave behind.
 void return_freed_memory() {
@@ -95,8 +93,10 @@ void return_freed_memory() {
 #endif
 }
 
+}  // namespace ldp
+
 int main(int argc, char** argv) {
-  return_freed_memory();
+  ldp::return_freed_memory();
   ldp::Interrupt interrupt;
   ldp::Program program;
   program.app.description("Layered depth panoramas: from one arm's-length sweep of a camera to views with parallax");
