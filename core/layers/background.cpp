@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "layers.h"
+#include "neighbours.h"
+
+namespace ldp {
+namespace {
+
+// The background met last while walking along a row through wanted pixels.
+struct Continued {
+  int disparity = -1, distance = 0;
+  void step(uint8_t want, int surface) {
+    if (want == kBoundary)
+      disparity = surface, distance = 0;
+    else if (want == kWanted && disparity >= 0)
+      ++distance;
+    else
+      disparity = -1;
+  }
+};
+
+// Between the backgrounds of both sides by distance; -1 = there is none.
+int between(const Continued& a, const Continued& b) {
+  if (a.disparity < 0 || b.disparity < 0) return std::max(a.disparity, b.disparity);
+  if (std::abs(a.disparity - b.disparity) > kLabelSteps) return a.distance <= b.distance ? a.disparity : b.disparity;
+  return (a.disparity * b.distance + b.disparity * a.distance) / std::max(1, a.distance + b.distance);
+}
+
+}  // namespace
+
+int gap_steps(const PanoramaGrid& grid, const LayersOptions& options) {
+  return static_cast<int>(std::clamp(std::ceil(parallax_steps(grid, options.gap_px)), 1.0, 1.0 * kLabelSteps));
+}
+
+void continue_background(const Plane<uint8_t>& want, const DisparityMap& surface, int gap, DisparityMap& layer) {
+  std::vector<Continued> from_right(static_cast<size_t>(layer.width));
+  for (int y = 0; y < layer.height; ++y) {
+    Continued walk;
+    for (int x = layer.width - 1; x >= 0; --x) {
+      walk.step(want.at(x, y), surface.at(x, y));
+      from_right[static_cast<size_t>(x)] = walk;
+    }
+    walk = {};
+    for (int x = 0; x < layer.width; ++x) {
+      walk.step(want.at(x, y), surface.at(x, y));
+      if (want.at(x, y) != kWanted) continue;
+      const int d = between(walk, from_right[static_cast<size_t>(x)]);
+      uint16_t& out = layer.at(x, y);
+      const bool agrees = out == kNoDisparity || std::abs(out - d) <= kLabelSteps;
+      if (d >= 0 && d + gap <= surface.at(x, y) && agrees) out = static_cast<uint16_t>(d);
+    }
+  }
+}
+
+void BoundaryCosts::read(const Window& window, uint8_t* cost, uint8_t* median) const {
+  inner_.read(window, cost, median);
+  const int labels = inner_.labels();
+  for (int i = 0; i < window.width; ++i) {
+    const int x = (window.x + i) % inner_.width();
+    for (int j = 0; j < window.height; ++j) {
+      if (want_.at(x, window.y + j) != kBoundary) continue;
+      const int d = surface_.at(x, window.y + j);
+      const int held = (d * (labels - 1) + kDisparitySteps / 2) / kDisparitySteps;
+      uint8_t* out = cost + (static_cast<size_t>(i) * static_cast<size_t>(window.height) + static_cast<size_t>(j)) *
+                                static_cast<size_t>(labels);
+      for (int l = 0; l < labels; ++l) out[l] = l == held ? 0 : 255;
+    }
+  }
+}
+
+}  // namespace ldp

@@ -1,0 +1,19 @@
+#include "neighbours.h"
+
+#include <algorithm>
+
+#include "layers.h"
+
+namespace ldp {
+
+int neighbour_column(const PanoramaGrid& grid, int x) {
+  if (x >= 0 && x < grid.width) return x;
+  return grid.wraps ? (x + grid.width) % grid.width : -1;
+}
+
+double parallax_steps(const PanoramaGrid& grid, double px) {
+  const double range = grid.w_near - grid.w_far;
+  return range <= 0 ? kLabelSteps : px * grid.v_pitch / (std::max(grid.arc.radius, 1e-9) * range) * kDisparitySteps;
+}
+
+}  // namespace ldp

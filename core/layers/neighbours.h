@@ -1,0 +1,18 @@
+// What the files of this stage share: places in the panorama, and parallax.
+#pragma once
+
+#include <cstdint>
+
+#include "geometry.h"
+
+namespace ldp {
+
+constexpr uint16_t kUncovered = 0;  // of a visibility map
+
+// -1 = outside the panorama.
+int neighbour_column(const PanoramaGrid& grid, int x);
+
+// Disparity steps that shift a voxel by so many pixels when the eye moves by one arc radius.
+double parallax_steps(const PanoramaGrid& grid, double px);
+
+}  // namespace ldp
