@@ -1,4 +1,4 @@
-add_executable(depth_bench depth_bench.cpp depth_truth.cpp)
+add_executable(depth_bench depth_bench.cpp depth_truth.cpp captures.cpp)
 target_link_libraries(depth_bench PRIVATE ldp_defaults ldp_poses ldp_arc ldp_images ldp_transforms ldp_rectify ldp_sweep)
 if(TARGET ldp_solve)
   target_link_libraries(depth_bench PRIVATE ldp_solve)

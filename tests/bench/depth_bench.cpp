@@ -13,6 +13,7 @@
 #include <string>
 
 #include "arc.h"
+#include "captures.h"
 #include "depth_truth.h"
 #include "images.h"
 #include "poses.h"
@@ -27,21 +28,6 @@ namespace ldp {
 namespace {
 
 namespace fs = std::filesystem;
-
-class Frames final : public FrameSource {
- public:
-  Frames(fs::path folder, const std::vector<Camera>& cameras) : folder_(std::move(folder)) {
-    for (const Camera& camera : cameras) names_.push_back(camera.name);
-  }
-  int size() const override { return static_cast<int>(names_.size()); }
-  std::string name(int index) const override { return names_[static_cast<size_t>(index)]; }
-  RgbImage load(int index) const override { return read_image(folder_ / name(index)); }
-  std::optional<double> focal_hint(int) const override { return {}; }
-
- private:
-  fs::path folder_;
-  std::vector<std::string> names_;
-};
 
 double seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -127,7 +113,7 @@ DisparityMap cached_truth(const std::string& file, const Compute& compute) {
 int run(const fs::path& capture, Rays rays, const std::string& pictures, const std::string& kept_truth) {
   const Job job;
   const auto given = read_transforms(capture / "transforms.json");
-  const Frames frames(capture / "frames", given);
+  const CaptureFrames frames(capture / "frames", given);
   double start = seconds();
   const auto lap = [&](const char* what) {
     std::printf("%-10s %.2f s\n", what, seconds() - start);
