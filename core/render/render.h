@@ -1,7 +1,8 @@
 // A perspective view with parallax from a layered depth panorama (paper section 3).
 //
 // Takes a panorama and a camera (any pose, distortion honoured); gives colour, alpha and z-depth. Layers are meshes
-// that tear at depth edges, drawn with a z-buffer. Pixels that no layer covers have alpha 0 and depth 0.
+// that tear at depth edges, drawn with a z-buffer; the deepest surfaces go on a few pixels underneath silhouettes
+// (underlay.h). Pixels that nothing covers have alpha 0 and depth 0.
 #pragma once
 
 #include <memory>
@@ -15,7 +16,7 @@ namespace ldp {
 enum class Fill { none, background };
 
 struct RenderOptions {
-  int layers = 8;          // draw at most so many of the panorama's layers
+  int layers = 8;          // draw at most so many of the panorama's layers; fewer than all have no underlay
   Fill fill = Fill::none;  // background: continue the background over holes, alpha 255 everywhere
   bool depth = false;      // also return z-depth
 };
