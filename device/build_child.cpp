@@ -6,6 +6,7 @@
 
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -33,9 +34,24 @@ struct Pipe {
   }
 };
 
+// Lines to a child. A pipe to one that has died would end us by SIGPIPE; a socket can be asked not to.
+struct LineSocket {
+  UniqueFd parent, child;
+  LineSocket() {
+    int ends[2];
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) throw_errno("cannot make a pair of sockets");
+    parent.reset(ends[0]);
+    child.reset(ends[1]);
+  }
+};
+
+// What the child is to have as descriptors.
+struct ChildEnds {
+  int lines, progress, errors;
+};
+
 // Between fork and exec: only calls that are allowed there.
-[[noreturn]] void become(const BuildCommand& command, char* const* arguments, int progress_fd, int error_fd,
-                         pid_t parent) {
+[[noreturn]] void become(const BuildCommand& command, char* const* arguments, const ChildEnds& ends, pid_t parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(127);  // it died before the line above
   ::setpriority(PRIO_PROCESS, 0, command.niceness);
@@ -51,14 +67,15 @@ struct Pipe {
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-  ::dup2(nothing, STDIN_FILENO);
+  ::dup2(ends.lines >= 0 ? ends.lines : nothing, STDIN_FILENO);
   ::dup2(nothing, STDOUT_FILENO);
-  ::dup2(error_fd, STDERR_FILENO);
-  if (progress_fd == kProgressFd) {
-    ::fcntl(progress_fd, F_SETFD, 0);  // dup2 onto itself would leave it to be closed
+  ::dup2(ends.errors, STDERR_FILENO);
+  if (ends.progress == kProgressFd) {
+    ::fcntl(ends.progress, F_SETFD, 0);  // dup2 onto itself would leave it to be closed
   } else {
-    ::dup2(progress_fd, kProgressFd);
+    ::dup2(ends.progress, kProgressFd);
   }
+  ::close_range(kProgressFd + 1, ~0U, 0);  // a camera that some library left open would stay in use
   ::execv(arguments[0], arguments);
   static constexpr char kMessage[] = "cannot run the build program\n";
   [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
@@ -109,10 +126,13 @@ BuildChild::BuildChild(const BuildCommand& command) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
+  std::optional<LineSocket> lines;
+  if (command.is_told) lines.emplace();
+  const ChildEnds ends{lines ? lines->child.get() : -1, progress.write.get(), errors.write.get()};
   const pid_t parent = ::getpid();
   pid_ = ::fork();
   if (pid_ < 0) throw_errno("cannot start the build");
-  if (pid_ == 0) become(command, arguments.data(), progress.write.get(), errors.write.get(), parent);
+  if (pid_ == 0) become(command, arguments.data(), ends, parent);
   process_.reset(static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0U)));
   if (!process_.is_open()) {
     const int error = errno;
@@ -121,6 +141,7 @@ BuildChild::BuildChild(const BuildCommand& command) {
   }
   progress_ = std::move(progress.read);
   errors_ = std::move(errors.read);
+  if (lines) lines_ = std::move(lines->parent);
 }
 
 BuildChild::~BuildChild() {
@@ -141,6 +162,13 @@ std::optional<BuildProgress> BuildChild::read_progress() {
 void BuildChild::read_errors() {
   drain(errors_, error_text_);
   if (error_text_.size() > kMaxErrorBytes) error_text_.erase(0, error_text_.size() - kMaxErrorBytes);
+}
+
+// All lines of a sweep fit into the socket; one that does not finds a child that hangs.
+void BuildChild::tell(const std::string& line) {
+  const std::string text = line + "\n";
+  const ssize_t sent = ::send(lines_.get(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (sent != static_cast<ssize_t>(text.size())) throw_errno("the build does not listen");
 }
 
 std::optional<BuildEnd> BuildChild::end() {

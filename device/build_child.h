@@ -19,6 +19,7 @@ struct BuildCommand {
   std::vector<std::string> arguments;  // without --progress-fd, which is added
   uint64_t memory_limit_bytes = 0;     // 0 = none
   int niceness = 10;
+  bool is_told = false;  // lines on its standard input
 };
 
 struct BuildProgress {
@@ -46,13 +47,14 @@ class BuildChild {
 
   std::optional<BuildProgress> read_progress();  // the newest, if there is a new one
   void read_errors();
-  std::optional<BuildEnd> end();  // none while it runs
+  void tell(const std::string& line);  // throws std::system_error when it does not listen
+  std::optional<BuildEnd> end();       // none while it runs
   void kill();
   pid_t pid() const { return pid_; }
 
  private:
   pid_t pid_ = -1;
-  UniqueFd process_, progress_, errors_;
+  UniqueFd process_, progress_, errors_, lines_;
   std::string progress_text_, error_text_;
   std::optional<BuildEnd> end_;
 };

@@ -132,11 +132,12 @@ std::vector<CaptureSession::Watch> CaptureSession::watches() {
   for (size_t i = 0; i < statuses_.size(); ++i) {
     if (statuses_[i].problem.empty()) add(statuses_[i].channel->fd(), [this, i] { serve_status(statuses_[i]); });
   }
-  if (build_) {
-    add(build_->progress_fd(), [this] { serve_build(); });
-    add(build_->error_fd(), [this] { serve_build(); });
-    add(build_->end_fd(), [this] { serve_build(); });
-  }
+  const auto add_build = [&](const BuildChild& build, void (CaptureSession::*serve)()) {
+    for (const int fd : {build.progress_fd(), build.error_fd(), build.end_fd()})
+      add(fd, [=, this] { (this->*serve)(); });
+  };
+  if (build_) add_build(*build_, &CaptureSession::serve_build);
+  if (follower_) add_build(*follower_, &CaptureSession::serve_follower);
   if (sweep_) add(sweep_->fd(), [this] { serve_camera(); });
   return watched;
 }
@@ -182,6 +183,7 @@ void CaptureSession::handle(Event event, const std::string& why) {
   if (changed) rest_at_ns_ = phase_ == Phase::done || phase_ == Phase::failed ? monotonic_now_ns() + kRest_ns : 0;
   if (changed && phase_ != Phase::capturing && phase_ != Phase::building) say(why);
   if (changed && (phase_ == Phase::failed || phase_ == Phase::idle)) last_failure_ = why;
+  if (phase_ != Phase::capturing && phase_ != Phase::building) follower_.reset();
   perform(transition.action, why);
   const bool over = phase_ == Phase::idle || phase_ == Phase::done || phase_ == Phase::failed;
   if (changed && over && run_ != Run::service) {
@@ -283,8 +285,9 @@ void CaptureSession::continue_after_sweep() {
   start_build();
 }
 
-BuildCommand CaptureSession::build_command() const {
+BuildCommand CaptureSession::build_command(bool follows) const {
   BuildCommand command;
+  command.is_told = follows;
   command.program = config_.program.empty() ? program_beside_us() : std::filesystem::path(config_.program);
   command.niceness = config_.niceness;
   command.memory_limit_bytes = uint64_t{static_cast<unsigned>(config_.memory_limit_mib)} << 20;
@@ -296,8 +299,32 @@ BuildCommand CaptureSession::build_command() const {
   if (config_.fov_degrees > 0) {
     command.arguments.insert(command.arguments.end(), {"--fov", std::to_string(config_.fov_degrees)});
   }
+  if (follows) command.arguments.emplace_back("--follow");
   command.arguments.insert(command.arguments.end(), config_.options.begin(), config_.options.end());
   return command;
+}
+
+// The build begins with the first frame and is told of each. Whatever becomes of it, the sweep goes on.
+void CaptureSession::follow(const std::string& stored_file) {
+  if (!config_.follow || run_ == Run::capture_only || (phase_ != Phase::capturing && phase_ != Phase::building)) return;
+  try {
+    if (frames_stored_ == 1) follower_ = std::make_unique<BuildChild>(build_command(true));
+    if (follower_) follower_->tell(stored_file);
+  } catch (const std::exception& error) {
+    log_warning(std::string(error.what()) + "; the sweep is built after its end");
+    follower_.reset();
+  }
+}
+
+bool CaptureSession::follower_takes_over() {
+  if (!follower_) return false;
+  try {
+    follower_->tell("end");
+    return true;
+  } catch (const std::exception&) {
+    follower_.reset();  // it has just died
+    return false;
+  }
 }
 
 void CaptureSession::start_build() {
@@ -310,7 +337,7 @@ void CaptureSession::start_build() {
     BuildRecord record = store_.read_build_record(capture_);
     ++record.interruptions;  // taken back when the build comes to a verdict
     store_.write_build_record(capture_, record);
-    build_ = std::make_unique<BuildChild>(build_command());
+    build_ = follower_takes_over() ? std::move(follower_) : std::make_unique<BuildChild>(build_command(false));
     say("building " + capture_);
   } catch (const std::exception& error) {
     fail_build(error.what(), true);
@@ -379,6 +406,7 @@ void CaptureSession::serve_writer() {
       if (storage_problem_.empty()) storage_problem_ = "cannot store: " + outcome->error;
     } else if (!outcome->file.empty()) {
       ++frames_stored_;
+      follow(outcome->file);
       publish_status();
     }
   }
@@ -393,6 +421,16 @@ void CaptureSession::serve_build() {
   build_->read_errors();
   if (const auto progress = build_->read_progress()) publish(Progress{capture_, progress->stage, progress->fraction});
   if (const auto end = build_->end()) finish_build(*end);
+}
+
+void CaptureSession::serve_follower() {
+  if (!follower_) return;
+  follower_->read_errors();
+  follower_->read_progress();
+  const auto end = follower_->end();
+  if (!end) return;
+  log_warning("the build ended too early: " + end->reason + "; the sweep is built after its end");
+  follower_.reset();
 }
 
 void CaptureSession::serve_end_request() {

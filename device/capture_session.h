@@ -72,7 +72,9 @@ class CaptureSession {
   void finish_build(const BuildEnd& end);
   void continue_after_sweep();
   void fail_build(const std::string& reason, bool retry);
-  BuildCommand build_command() const;
+  BuildCommand build_command(bool follows) const;
+  void follow(const std::string& stored_file);
+  bool follower_takes_over();
 
   void open_button_again(int64_t now_ns);
   void open_statuses_again();
@@ -81,6 +83,7 @@ class CaptureSession {
   void serve_camera();
   void serve_writer();
   void serve_build();
+  void serve_follower();
   void serve_end_request();
   void serve_status(OpenStatus& status);
   void obey(Command command);
@@ -107,6 +110,7 @@ class CaptureSession {
   std::unique_ptr<Button> button_;
   std::unique_ptr<Sweep> sweep_;
   std::unique_ptr<BuildChild> build_;
+  std::unique_ptr<BuildChild> follower_;  // the build of the sweep that still goes on; becomes `build_` at its end
   std::optional<std::stop_callback<std::function<void()>>> on_stop_;
 
   Phase phase_ = Phase::idle;

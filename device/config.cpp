@@ -106,6 +106,17 @@ Key number_key(std::string name, std::string comment, Number Config::*field, Num
           [=](const Config& config) { return plain(static_cast<double>(config.*field)); }};
 }
 
+Key flag_key(std::string name, std::string comment, bool Config::*field) {
+  return {std::move(name), std::move(comment),
+          [=](const toml::node& node, Config& config) -> std::string {
+            const auto value = node.value_exact<bool>();
+            if (!value) return "expected true or false";
+            config.*field = *value;
+            return {};
+          },
+          [=](const Config& config) { return std::string(config.*field ? "true" : "false"); }};
+}
+
 Key mode_key() {
   return {
       "sweep.mode",
@@ -143,6 +154,7 @@ const std::vector<Key>& all_keys() {
       number_key("sweep.lost_after_seconds", "without a frame the camera counts as lost", &Config::lost_after_seconds,
                  {0.2, 60}),
       number_key("sweep.reserve_mib", "of the disk that are never filled", &Config::reserve_mib, {0, 1e6}),
+      flag_key("build.follow", "whether poses are found while the arm still moves", &Config::follow),
       text_key("build.program", "empty: the ldp beside ldpd", &Config::program),
       number_key("build.threads", "0 = all cores", &Config::threads, {0, 256}),
       number_key("build.memory_limit_mib", "of the build's process; 0 = none", &Config::memory_limit_mib, {0, 1e6}),

@@ -29,6 +29,7 @@ struct Config {
   int reserve_mib = 64;           // of the disk, never filled
 
   // [build]
+  bool follow = true;          // poses are found while the arm moves
   std::string program;         // empty: ldp beside ldpd
   int threads = 0;             // 0 = all
   int memory_limit_mib = 512;  // of the process, 0 = none

@@ -62,8 +62,8 @@ class Build {
   Build(const FrameSource& frames, const BuildOptions& options, const Job& job)
       : frames_(frames), options_(options), job_(job), watch_(report_), pictures_(options.debug_directory) {}
 
-  BuildResult run() {
-    find_cameras();
+  BuildResult run(PoseEstimator begun) {
+    find_cameras(std::move(begun));
     lay_out();
     if (poses_.report.motion == Motion::rotation) {
       one_far_layer();
@@ -75,8 +75,8 @@ class Build {
   }
 
  private:
-  void find_cameras() {
-    poses_ = options_.cameras.empty() ? estimate_poses(frames_, options_.poses, job_)
+  void find_cameras(PoseEstimator begun) {
+    poses_ = options_.cameras.empty() ? estimate_poses(frames_, std::move(begun), job_)
                                       : triangulate(frames_, options_.cameras, options_.poses, job_);
     if (!poses_.report.doubt.empty()) report_.notes.push_back("the poses may be wrong: " + poses_.report.doubt);
     watch_.lap("poses");
@@ -309,8 +309,13 @@ class Build {
 }  // namespace
 
 BuildResult build(const FrameSource& frames, const BuildOptions& options, const Job& job) {
+  return build(frames, options, job, PoseEstimator(options.poses));
+}
+
+BuildResult build(const FrameSource& frames, const BuildOptions& options, const Job& job, PoseEstimator begun) {
   check(options);
-  return Build(frames, options, job).run();
+  if (begun.options() != options.poses) begun = PoseEstimator(options.poses);
+  return Build(frames, options, job).run(std::move(begun));
 }
 
 }  // namespace ldp

@@ -54,4 +54,7 @@ struct BuildResult {
 // std::logic_error.
 BuildResult build(const FrameSource& frames, const BuildOptions& options, const Job& job);
 
+// The same, to the byte, with poses that were begun while the photos were still being taken.
+BuildResult build(const FrameSource& frames, const BuildOptions& options, const Job& job, PoseEstimator begun);
+
 }  // namespace ldp

@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
-#include <tuple>
 
 #include "doubts.h"
 #include "keypoints.h"
@@ -38,16 +38,12 @@ PairOptions pairing(const PosesOptions& options) {
   return pairs;
 }
 
-std::vector<Match> match_frames(const std::vector<Frame>& frames, int a, int b, const PairOptions& options) {
-  return match_pair(frames[static_cast<size_t>(a)].features, frames[static_cast<size_t>(b)].features,
-                    b - a <= options.reach, options);
-}
-
 void match_all(const std::vector<Frame>& frames, std::vector<PairMatches>& pairs, const PairOptions& options,
                const Job& job) {
   parallel_for(job, static_cast<int>(pairs.size()), [&](int i) {
     PairMatches& pair = pairs[static_cast<size_t>(i)];
-    pair.matches = match_frames(frames, pair.a, pair.b, options);
+    pair.matches = match_pair(frames[static_cast<size_t>(pair.a)].features,
+                              frames[static_cast<size_t>(pair.b)].features, pair.b - pair.a <= options.reach, options);
   });
 }
 
@@ -234,30 +230,20 @@ void require_three(int frames) {
   if (frames < 3) throw Impossible("at least 3 photos are needed, got " + std::to_string(frames));
 }
 
-}  // namespace
-
-Poses estimate_poses(const FrameSource& source, const PosesOptions& options, const Job& job) {
-  check(options);
-  require_three(source.size());
-  std::vector<Frame> frames(static_cast<size_t>(source.size()));
-  job.report("features", 0);
-  parallel_for(job, source.size(), [&](int i) {
-    frames[static_cast<size_t>(i)] = make_frame(source.name(i), source.load(i), source.focal_hint(i));
-  });
-  job.report("matching", 0.4);
-  std::vector<PairMatches> pairs;
-  for (int b = 1; b < source.size(); ++b) {
-    for (int a = 0; a < b; ++a) pairs.push_back({a, b, {}});
+bool begins_with(const FrameSource& source, int count, const std::vector<Frame>& frames) {
+  if (static_cast<size_t>(count) < frames.size()) return false;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    if (source.name(static_cast<int>(i)) != frames[i].name) return false;
   }
-  match_all(frames, pairs, pairing(options), job);
-  job.report("adjusting", 0.6);
-  return solve(frames, pairs, options, job);
+  return true;
 }
+
+}  // namespace
 
 struct PoseEstimator::State {
   PosesOptions options;
   std::vector<Frame> frames;
-  std::vector<PairMatches> pairs;  // neighbours: all pairs within reach
+  std::vector<PairMatches> pairs;  // all, in the order of the later frame
 };
 
 PoseEstimator::PoseEstimator(const PosesOptions& options) : state_(std::make_unique<State>()) {
@@ -270,46 +256,41 @@ PoseEstimator::~PoseEstimator() = default;
 
 int PoseEstimator::size() const { return static_cast<int>(state_->frames.size()); }
 
-FrameNews PoseEstimator::add_frame(const std::string& name, const RgbImage& image, std::optional<double> focal_hint,
-                                   const Job& job) {
-  std::vector<Frame>& frames = state_->frames;
-  frames.push_back(make_frame(name, image, focal_hint));
-  const PairOptions options = pairing(state_->options);
-  const int b = size() - 1;
-  std::vector<PairMatches> pairs;
-  for (int a = std::max(0, b - options.reach); a < b; ++a) pairs.push_back({a, b, {}});
-  match_all(frames, pairs, options, job);
-  state_->pairs.insert(state_->pairs.end(), pairs.begin(), pairs.end());
+const PosesOptions& PoseEstimator::options() const { return state_->options; }
 
-  FrameNews news;
-  news.features = frames.back().features.size();
-  if (pairs.empty()) return news;
-  std::vector<double> shifts;
-  for (const Match& m : pairs.back().matches) {
-    const Features &before = frames[static_cast<size_t>(b) - 1].features, &now = frames.back().features;
-    shifts.push_back((now.from_middle(m.b) - before.from_middle(m.a)).norm() / now.width);
+void PoseEstimator::add_frames(const FrameSource& source, int count, const Job& job) {
+  if (!begins_with(source, count, state_->frames)) *this = PoseEstimator(options());
+  std::vector<Frame>& frames = state_->frames;
+  const int first = size();
+  frames.resize(static_cast<size_t>(count));
+  job.report("features", 0);
+  parallel_for(job, count - first, [&](int i) {
+    const int index = first + i;
+    frames[static_cast<size_t>(index)] = make_frame(source.name(index), source.load(index), source.focal_hint(index));
+  });
+  job.report("matching", 0.4);
+  std::vector<PairMatches> pairs;
+  for (int b = std::max(first, 1); b < count; ++b) {
+    for (int a = 0; a < b; ++a) pairs.push_back({a, b, {}});
   }
-  news.matches = static_cast<int>(shifts.size());
-  if (shifts.empty()) return news;
-  std::nth_element(shifts.begin(), shifts.begin() + static_cast<std::ptrdiff_t>(shifts.size() / 2), shifts.end());
-  news.shift = shifts[shifts.size() / 2];
-  return news;
+  match_all(frames, pairs, pairing(options()), job);
+  std::move(pairs.begin(), pairs.end(), std::back_inserter(state_->pairs));
 }
 
 Poses PoseEstimator::finish(const Job& job) const {
   require_three(size());
-  job.report("matching", 0.4);
-  std::vector<PairMatches> pairs;
-  const PairOptions options = pairing(state_->options);
-  for (int b = 1; b < size(); ++b) {
-    for (int a = 0; a < b - options.reach; ++a) pairs.push_back({a, b, {}});
-  }
-  match_all(state_->frames, pairs, options, job);
-  pairs.insert(pairs.end(), state_->pairs.begin(), state_->pairs.end());
-  std::sort(pairs.begin(), pairs.end(),
-            [](const PairMatches& p, const PairMatches& q) { return std::tie(p.b, p.a) < std::tie(q.b, q.a); });
   job.report("adjusting", 0.6);
-  return solve(state_->frames, pairs, state_->options, job);
+  return solve(state_->frames, state_->pairs, options(), job);
+}
+
+Poses estimate_poses(const FrameSource& frames, PoseEstimator begun, const Job& job) {
+  require_three(frames.size());
+  begun.add_frames(frames, frames.size(), job);
+  return begun.finish(job);
+}
+
+Poses estimate_poses(const FrameSource& frames, const PosesOptions& options, const Job& job) {
+  return estimate_poses(frames, PoseEstimator(options), job);
 }
 
 }  // namespace ldp

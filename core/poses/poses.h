@@ -21,6 +21,7 @@ struct PosesOptions {
   std::optional<double> fov_rad;  // horizontal field of view of the photos if known roughly; else EXIF; else estimated
   double arm_length = 0.65;       // radius given to the cameras' circle, capture's unit (metres)
   unsigned seed = 1;              // of every random choice
+  friend bool operator==(const PosesOptions&, const PosesOptions&) = default;
 };
 
 enum class Motion { arc, straight, rotation };
@@ -53,15 +54,8 @@ struct Poses {
 // Throws Impossible when fewer than 3 frames can be connected, naming the reason.
 Poses estimate_poses(const FrameSource& frames, const PosesOptions& options, const Job& job);
 
-// What the newest frame of a running capture tells.
-struct FrameNews {
-  int features = 0;
-  int matches = 0;   // with the frame before, checked for consistency; few: too fast, too blurred, too plain
-  double shift = 0;  // how far the picture moved since then (median of the matches), as a share of its width
-};
-
-// The same while the capture runs: each frame's features are found and matched when it arrives, `finish` does what
-// remains. Gives the same bytes as estimate_poses of the same frames.
+// The same while the capture runs: features are found and matched as frames arrive, `finish` does what remains. Gives
+// the same bytes as estimate_poses of the same frames. After an exception it can only be destroyed or assigned to.
 class PoseEstimator {
  public:
   explicit PoseEstimator(const PosesOptions& options);
@@ -69,14 +63,19 @@ class PoseEstimator {
   PoseEstimator& operator=(PoseEstimator&&) noexcept;
   ~PoseEstimator();
 
-  FrameNews add_frame(const std::string& name, const RgbImage& image, std::optional<double> focal_hint, const Job& job);
+  // Has the first `count` frames of the source afterwards: adds what is new, and begins anew if it had any others.
+  void add_frames(const FrameSource& source, int count, const Job& job);
   int size() const;
+  const PosesOptions& options() const;
   Poses finish(const Job& job) const;  // throws as estimate_poses does
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
+
+// Of all frames of the source, some of which `begun` may have.
+Poses estimate_poses(const FrameSource& frames, PoseEstimator begun, const Job& job);
 
 // The same points and report for cameras that are already known (matched to frames by name; frames without a camera
 // are reported as dropped). Cameras are left exactly as given. Throws Impossible when fewer than 3 names match.

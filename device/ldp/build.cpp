@@ -2,6 +2,8 @@
 
 #include "build.h"
 
+#include <unistd.h>
+
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -10,6 +12,7 @@
 #include "build_report.h"
 #include "build_setup.h"
 #include "commands.h"
+#include "follow.h"
 #include "ldp_file.h"
 #include "output.h"
 #include "progress_bar.h"
@@ -20,17 +23,19 @@ namespace {
 struct BuildCommand {
   BuildSetup setup;
   std::string output, report, debug;
+  bool follow = false;
 };
 
 // Debug pictures stay also when the build cannot be done: that is when they are wanted most. An interrupted one leaves
 // none.
-BuildResult build_with_pictures(const PreparedBuild& prepared, const std::string& debug, const Job& job) {
-  if (debug.empty()) return build(prepared.frames, prepared.options, job);
+BuildResult build_with_pictures(const PreparedBuild& prepared, const std::string& debug, const Job& job,
+                                PoseEstimator begun) {
+  if (debug.empty()) return build(prepared.frames, prepared.options, job, std::move(begun));
   OutputFolder folder(debug, OutputFolder::Existing::merge);
   BuildOptions options = prepared.options;
   options.debug_directory = folder.path().string();
   try {
-    BuildResult result = build(prepared.frames, options, job);
+    BuildResult result = build(prepared.frames, options, job, std::move(begun));
     folder.keep();
     return result;
   } catch (const Cancelled&) {
@@ -59,13 +64,15 @@ void print_summary(const BuildCommand& command, const BuildResult& result, size_
 }
 
 int run(const BuildCommand& command, const Session& session) {
-  const auto begin = std::chrono::steady_clock::now();
   check_output_file(command.output);
   if (!command.report.empty()) check_output_file(command.report);
-  const PreparedBuild prepared = prepare(command.setup);
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
-  BuildResult result = build_with_pictures(prepared, command.debug, job);
+  PoseEstimator begun{PosesOptions{}};
+  if (command.follow) begun = follow_capture(command.setup, STDIN_FILENO, job);
+  const auto begin = std::chrono::steady_clock::now();
+  const PreparedBuild prepared = prepare(command.setup);
+  BuildResult result = build_with_pictures(prepared, command.debug, job, std::move(begun));
   add_metadata(prepared.notes, result.panorama);
   const std::vector<uint8_t> file = encode_ldp(result.panorama, {command.setup.colour_quality}, job);
   write_output(command.output, file);
@@ -95,6 +102,10 @@ void add_build(Program& program) {
   add_capture_options(app, command->setup);
   app.add_option("-o,--output", command->output, "The .ldp file to write")->required();
   add_build_options(app, command->setup);
+  app.add_flag("--follow", command->follow,
+               "Begin while CAPTURE is being taken: the name of each photo, once it is stored, as a line on standard "
+               "input, then 'end'")
+      ->excludes("--cameras");
   app.add_option("--report", command->report, "Write seconds, memory, energies and sizes to this .json file");
   app.add_option("--debug", command->debug, "Write pictures of every stage into this folder");
 }

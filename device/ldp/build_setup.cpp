@@ -61,11 +61,28 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
       ->default_str("0");
 }
 
-PreparedBuild prepare(const BuildSetup& setup) {
-  if (!setup.cameras.empty()) check_input_file(setup.cameras);
+FolderFrames open_frames(const BuildSetup& setup) {
   FolderFramesOptions folder;
   folder.max_pixels = std::llround(setup.megapixels * 1e6);
-  PreparedBuild prepared{FolderFrames(setup.capture, folder), read_capture_notes(setup.capture), setup.build};
+  return FolderFrames(setup.capture, folder);
+}
+
+PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes) {
+  PosesOptions options = setup.build.poses;
+  if (setup.arm_length > 0)
+    options.arm_length = setup.arm_length;
+  else if (notes.arm_length)
+    options.arm_length = *notes.arm_length;
+  if (setup.fov_deg > 0)
+    options.fov_rad = setup.fov_deg * std::numbers::pi / 180;
+  else if (notes.fov_rad)
+    options.fov_rad = notes.fov_rad;
+  return options;
+}
+
+PreparedBuild prepare(const BuildSetup& setup) {
+  if (!setup.cameras.empty()) check_input_file(setup.cameras);
+  PreparedBuild prepared{open_frames(setup), read_capture_notes(setup.capture), setup.build};
   const int photos = prepared.frames.size();
   if (photos < kFewestPhotos) {
     throw Impossible(setup.capture + ": " + (photos == 1 ? "one photo" : std::to_string(photos) + " photos") +
@@ -76,14 +93,7 @@ PreparedBuild prepare(const BuildSetup& setup) {
     throw BadInput("--near " + std::to_string(options.near_depth) + ": is not nearer than --far " +
                    std::to_string(options.far_depth));
   }
-  if (setup.arm_length > 0)
-    options.poses.arm_length = setup.arm_length;
-  else if (prepared.notes.arm_length)
-    options.poses.arm_length = *prepared.notes.arm_length;
-  if (setup.fov_deg > 0)
-    options.poses.fov_rad = setup.fov_deg * std::numbers::pi / 180;
-  else if (prepared.notes.fov_rad)
-    options.poses.fov_rad = prepared.notes.fov_rad;
+  options.poses = poses_options(setup, prepared.notes);
   if (!setup.cameras.empty()) {
     options.cameras = prepared.frames.fit(read_transforms(setup.cameras));
     if (options.cameras.size() < 3) {

@@ -28,6 +28,9 @@ struct PreparedBuild {
   BuildOptions options;  // complete: notes and given cameras applied
 };
 
+FolderFrames open_frames(const BuildSetup& setup);
+PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes);
+
 // Reads what the options name. Throws BadInput or std::runtime_error.
 PreparedBuild prepare(const BuildSetup& setup);
 

@@ -84,6 +84,10 @@ class Flow : public testing::Test {
   void TearDown() override { fs::remove_all(room_); }
 
   Outcome ldp(const std::vector<std::string>& words) const { return Running(words, room_).wait(); }
+  // What the shell command prints as the standard input.
+  static std::vector<std::string> fed_by(const std::string& command) {
+    return {"bash", "-c", "exec \"$0\" \"$@\" < <(" + command + ")"};
+  }
   std::string path(const std::string& name) const { return (room_ / "work" / name).string(); }
 
   // Eight small photos over 70 degrees.
@@ -179,6 +183,54 @@ TEST_F(Flow, TheSameSweepAndBuildGiveTheSameBytesAtAnyThreadCount) {
     ASSERT_EQ(built.status, 0) << built.err;
   }
   EXPECT_EQ(text_of(path("1.ldp")), text_of(path("3.ldp")));
+}
+
+TEST_F(Flow, ABuildThatFollowsTheSweepGivesTheSameBytes) {
+  const std::string from = capture();
+  const std::vector<std::string> options{"--arm-length", "0.7", "--layers", "2"};
+  const auto build_to = [&](const std::string& file, const std::vector<std::string>& more) {
+    std::vector<std::string> words{"build", from, "-o", path(file)};
+    words.insert(words.end(), options.begin(), options.end());
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  ASSERT_EQ(ldp(build_to("plain.ldp", {})).status, 0);
+  fs::rename(from + "/frames", path("all"));
+  fs::create_directory(from + "/frames");
+  // Photos come one by one; the last are not spoken of, as if they had come while "end" was said.
+  const std::string arm = "for photo in $(ls " + path("all") + "); do cp " + path("all") + "/$photo " + from +
+                          "/frames/; [ $photo \\> 006 ] || echo $photo; sleep 0.02; done; echo end";
+  const Outcome followed = Running(build_to("followed.ldp", {"--follow"}), room_, fed_by(arm)).wait();
+  ASSERT_EQ(followed.status, 0) << followed.err;
+  EXPECT_EQ(text_of(path("plain.ldp")), text_of(path("followed.ldp")));
+  // Arm length and field of view that become known at the end only.
+  fs::remove(path("followed.ldp"));
+  const std::string late =
+      "ls " + from + "/frames; sleep 0.3; echo '{\"fov_degrees\": 50}' > " + from + "/capture.json; echo end";
+  ASSERT_EQ(Running(build_to("followed.ldp", {"--follow"}), room_, fed_by(late)).wait().status, 0);
+  ASSERT_EQ(ldp(build_to("plain.ldp", {})).status, 0);
+  EXPECT_EQ(text_of(path("plain.ldp")), text_of(path("followed.ldp")));
+}
+
+TEST_F(Flow, ABuildThatFollowsStopsQuietlyWhenTheSweepBreaksOff) {
+  const std::string from = capture();
+  const auto before = contents();
+  const Outcome outcome =
+      Running({"build", from, "-o", path("a.ldp"), "--follow"}, room_, fed_by("ls " + from + "/frames; printf en"))
+          .wait();
+  EXPECT_EQ(outcome.status, 130);
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(contents(), before);
+}
+
+TEST_F(Flow, ABuildThatFollowsRefusesAPhotoThatIsNotThereAndKnownCameras) {
+  const std::string from = capture();
+  const std::vector<std::string> words{"build", from, "-o", path("a.ldp"), "--follow"};
+  expect_refusal(words, 2, "there is no photo 'frame_77.jpg'", fed_by("echo frame_77.jpg; sleep 5; echo end"));
+  expect_refusal(words, 2, "there is no photo ''", fed_by("echo; echo end"));
+  std::vector<std::string> with_cameras = words;
+  with_cameras.insert(with_cameras.end(), {"--cameras", from + "/transforms.json"});
+  expect_refusal(with_cameras, 2, "--cameras");
 }
 
 TEST_F(Flow, RefusesAnEmptyFolderOnePhotoAndNoFolder) {

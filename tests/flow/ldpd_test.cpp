@@ -16,6 +16,7 @@
 #include <fstream>
 #include <lcm/lcm-cpp.hpp>
 #include <random>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -122,6 +123,11 @@ class Process {
   bool over_ = false;
 };
 
+// With `hold=no` the sweep ends with the camera's last picture, however long it takes.
+constexpr const char* kUntilTheCameraEnds = "press wait 300000 release";
+
+constexpr std::array kQuick = {"--layers", "1", "--iterations", "1", "--labels", "4"};
+
 class LdpdTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -129,7 +135,7 @@ class LdpdTest : public testing::Test {
     room_ = mkdtemp(name.data());
     make_frames(14, 200, 150);
     build_program("echo '0.5 poses' >&3");
-    script("press wait 700 release");
+    script("press wait 1500 release");
   }
   void TearDown() override { fs::remove_all(room_); }
 
@@ -142,16 +148,21 @@ class LdpdTest : public testing::Test {
     }
   }
 
-  // Stands for `ldp build CAPTURE -o FILE ...`: begins FILE, does `before`, then ends it.
-  void build_program(const std::string& before) {
-    std::ofstream(room_ / "build") << "#!/bin/bash\ncapture=$2\nfile=$4\necho begun > \"$file\" || exit 2\n"
+  // Stands for `ldp build CAPTURE -o FILE ...`: with --follow does `at_line` at each line it is told until the end;
+  // then begins FILE, does `before`, and ends it.
+  void build_program(const std::string& before, const std::string& at_line = "true") {
+    std::ofstream(room_ / "build") << "#!/bin/bash\ncapture=$2\nfile=$4\n"
+                                   << "[[ \" $* \" != *' --follow '* ]] || while [ \"$line\" != end ]; do\n"
+                                   << "read -r line || exit 130\n"
+                                   << at_line << "\ndone\necho begun > \"$file\" || exit 2\n"
                                    << before << "\n(ls \"$capture\"; echo ended) >> \"$file\" || exit 2\n";
     fs::permissions(room_ / "build", fs::perms::owner_all);
   }
   void script(const std::string& words) { std::ofstream(room_ / "script") << words << "\n"; }
-  void configure(const std::string& more = "") {
-    std::ofstream(room_ / "ldpd.toml") << "[build]\nprogram = \"" << (room_ / "build").string() << "\"\n[sweep]\n"
-                                       << more;
+  void configure(const std::string& sweep = "", const std::string& build = "") {
+    std::ofstream(room_ / "ldpd.toml") << "[build]\nprogram = \"" << (room_ / "build").string() << "\"\n"
+                                       << build << "[sweep]\n"
+                                       << sweep;
   }
 
   std::vector<std::string> command(const std::vector<std::string>& more, const std::string& camera_options = "") {
@@ -168,7 +179,8 @@ class LdpdTest : public testing::Test {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  Finished run_once(const std::string& camera_options = "") {
+  // Unless told otherwise the sweep is over with the last picture, so that a busy machine loses none.
+  Finished run_once(const std::string& camera_options = "&hold=no") {
     return Process(command({"--once"}, camera_options), room_ / "said").wait();
   }
 
@@ -179,6 +191,23 @@ class LdpdTest : public testing::Test {
     if (!fs::exists(folder)) return 0;
     for (const auto& entry : fs::directory_iterator(folder)) frames += entry.path().extension() == ".jpg" ? 1 : 0;
     return frames;
+  }
+
+  // A small synthetic sweep. Gives the number of its frames.
+  int photograph_garden(const fs::path& folder) {
+    script(kUntilTheCameraEnds);
+    const std::string scene = "scene:garden?fps=1000&hold=no&width=160&height=120";
+    const std::string button = "script:" + (room_ / "script").string();
+    Process({LDP_DEVICE_PROGRAM, "capture", "--camera", scene, "--button", button, "-o", folder.string()},
+            room_ / "captured")
+        .wait();
+    return frames_in(folder);
+  }
+  // Builds by ldp itself, as fast as it can.
+  void configure_ldp() {
+    std::ofstream(room_ / "ldpd.toml") << "[build]\nniceness = 0\noptions = [";
+    for (const char* const word : kQuick) std::ofstream(room_ / "ldpd.toml", std::ios::app) << '"' << word << "\", ";
+    std::ofstream(room_ / "ldpd.toml", std::ios::app) << "]\n";
   }
 
   // The greatest number of frames that the console was told are stored.
@@ -208,8 +237,14 @@ class LdpdTest : public testing::Test {
   fs::path room_;
 };
 
-// With `hold=no` the sweep ends with the camera's last picture, however long it takes.
-constexpr const char* kUntilTheCameraEnds = "press wait 300000 release";
+bool is_gone(pid_t process) {
+  for (int i = 0; i < 1000; ++i) {
+    const std::string stat = text_of("/proc/" + std::to_string(process) + "/stat");
+    if (stat.empty() || stat.find(") Z ") != std::string::npos) return true;
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  return false;
+}
 
 int kills() {
   const char* const wanted = std::getenv("LDP_KILLS");
@@ -319,7 +354,7 @@ TEST_F(LdpdTest, WithoutItsButtonItSaysSoAndWaits) {
 
 TEST_F(LdpdTest, APressWhileBuildingIsRefusedAndNothingIsLost) {
   build_program("sleep 0.6");
-  script("press wait 700 release wait 200 press wait 50 release wait 3000 press wait 700 release");
+  script("press wait 1500 release wait 200 press wait 50 release wait 3000 press wait 1500 release");
   Process service(command({}), room_ / "said");
   EXPECT_TRUE(service.says("please wait"));
   EXPECT_TRUE(service.says("sweep_000002.ldp is ready"));
@@ -334,7 +369,7 @@ TEST_F(LdpdTest, APressWhileBuildingIsRefusedAndNothingIsLost) {
 TEST_F(LdpdTest, InToggleModeAHeldButtonCancelsTheSweep) {
   configure("mode = \"toggle\"\nmax_seconds = 20\n");
   script("press wait 3300 release");
-  const Finished run = run_once();
+  const Finished run = run_once("&hold=yes");
   EXPECT_EQ(run.status, 1);
   EXPECT_THAT(run.said, HasSubstr("cancelled"));
   EXPECT_FALSE(fs::exists(capture()));
@@ -342,8 +377,8 @@ TEST_F(LdpdTest, InToggleModeAHeldButtonCancelsTheSweep) {
 
 TEST_F(LdpdTest, InToggleModeASecondPressEndsTheSweep) {
   configure("mode = \"toggle\"\n");
-  script("press wait 50 release wait 700 press wait 50 release");
-  const Finished run = run_once();
+  script("press wait 50 release wait 1500 press wait 50 release");
+  const Finished run = run_once("&hold=yes");
   EXPECT_EQ(run.status, 0) << run.said;
   EXPECT_EQ(frames_in(capture()), 14);
 }
@@ -382,13 +417,95 @@ TEST_F(LdpdTest, TheBuildDiesWithTheService) {
   while (text_of(pid_file).find('\n') == std::string::npos) std::this_thread::sleep_for(milliseconds(5));
   const pid_t build = std::atoi(text_of(pid_file).c_str());
   service.stop(SIGKILL);
-  bool gone = false;
-  for (int i = 0; i < 1000 && !gone; ++i) {
-    const std::string stat = text_of("/proc/" + std::to_string(build) + "/stat");
-    gone = stat.empty() || stat.find(") Z ") != std::string::npos;
-    std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_TRUE(is_gone(build));
+}
+
+// A stand-in that notes its process and what it is told, outside the capture.
+constexpr const char* kNoteLines = "echo $$ $line >> \"$(dirname \"$0\")/told\"";
+
+TEST_F(LdpdTest, TheBuildIsToldOfEveryFrameWhileTheArmMovesAndThenOfTheEnd) {
+  build_program("", kNoteLines);
+  Process service(command({"--once"}), room_ / "said");
+  while (text_of(room_ / "told").find("frame_002.jpg\n") == std::string::npos && service.runs()) {
+    std::this_thread::sleep_for(milliseconds(2));
   }
-  EXPECT_TRUE(gone);
+  EXPECT_FALSE(service.says("ended by the button", 0)) << "it was told late";
+  const Finished run = service.wait();
+  EXPECT_EQ(run.status, 0) << run.said;
+  std::istringstream told(text_of(room_ / "told"));
+  std::set<int> processes;
+  std::vector<std::string> lines;
+  int process = 0;
+  for (std::string line; told >> process >> line; lines.push_back(line)) processes.insert(process);
+  EXPECT_EQ(processes.size(), 1U);
+  std::vector<std::string> wanted;
+  for (const auto& entry : fs::directory_iterator(capture())) {
+    if (entry.path().extension() == ".jpg") wanted.push_back(entry.path().filename().string());
+  }
+  std::sort(wanted.begin(), wanted.end());
+  wanted.emplace_back("end");
+  EXPECT_EQ(lines, wanted);
+  EXPECT_THAT(text_of(panorama()), HasSubstr(wanted[wanted.size() - 2]));
+  EXPECT_FALSE(fs::exists(capture() / "build.json"));
+}
+
+TEST_F(LdpdTest, FollowingCanBeSwitchedOff) {
+  configure("", "follow = false\n");
+  build_program("", kNoteLines);
+  EXPECT_EQ(run_once().status, 0);
+  EXPECT_TRUE(fs::exists(panorama()));
+  EXPECT_FALSE(fs::exists(room_ / "told"));
+}
+
+TEST_F(LdpdTest, ABuildThatDiesInMidSweepIsBegunAgainAfterIt) {
+  for (const char* const death : {"kill -9 $$", "exit 0", "echo no such photo >&2; exit 2"}) {
+    SCOPED_TRACE(death);
+    fs::remove_all(room_ / "out");
+    fs::remove(room_ / "said");
+    build_program("", std::string("[ $line != frame_003.jpg ] || { ") + death + "; }");
+    const Finished run = run_once();
+    EXPECT_EQ(run.status, 0) << run.said;
+    EXPECT_THAT(run.said, HasSubstr("is built after its end"));
+    EXPECT_GT(frames_in(capture()), 4);
+    EXPECT_FALSE(fs::exists(capture() / "build.json"));
+    expect_whole(true);
+  }
+}
+
+// Cancelled, too short, shut down, killed: no process and no half panorama stays.
+TEST_F(LdpdTest, TheBuildThatFollowsEndsWithItsSweep) {
+  struct Way {
+    const char* name;
+    std::string sweep, buttons;
+    int signal;
+  };
+  const Way ways[] = {{"cancelled", "mode = \"toggle\"\n", "press wait 3300 release", 0},
+                      {"too short", "min_frames = 80\n", "press wait 400 release", 0},
+                      {"shut down", "", "press wait 60000 release", SIGTERM},
+                      {"killed", "", "press wait 60000 release", SIGKILL}};
+  build_program("", kNoteLines);
+  for (const Way& way : ways) {
+    SCOPED_TRACE(way.name);
+    fs::remove_all(room_ / "out");
+    for (const char* const file : {"said", "told"}) fs::remove(room_ / file);
+    configure(way.sweep);
+    script(way.buttons);
+    Process service(command({"--once"}), room_ / "said");
+    while (text_of(room_ / "told").find('\n') == std::string::npos && service.runs()) {
+      std::this_thread::sleep_for(milliseconds(5));
+    }
+    const pid_t follower = std::atoi(text_of(room_ / "told").c_str());
+    ASSERT_GT(follower, 0) << text_of(room_ / "said");
+    if (way.signal != 0) {
+      service.stop(way.signal);
+    } else {
+      service.wait();
+    }
+    EXPECT_TRUE(is_gone(follower));
+    EXPECT_THAT(text_of(room_ / "told"), Not(HasSubstr("end")));
+    EXPECT_FALSE(fs::exists(panorama()));
+    EXPECT_TRUE(!fs::exists(room_ / "out" / ".building") || fs::is_empty(room_ / "out" / ".building"));
+  }
 }
 
 // After a kill at any moment: what was reported stored is there and whole, and the next start builds it.
@@ -460,18 +577,10 @@ TEST_F(LdpdTest, ABuildKilledAtAnyMomentIsAFailureAndTheServiceGoesOn) {
 // The same with ldp itself: killed at any moment of its work it leaves nothing behind, and the panorama that a later
 // start builds is, byte by byte, that of a build in peace.
 TEST_F(LdpdTest, LdpKilledAtAnyMomentOfItsBuildIsBegunAgainByTheNextStart) {
-  script(kUntilTheCameraEnds);
-  const std::string scene = "scene:garden?fps=1000&hold=no&width=160&height=120";
   fs::create_directories(room_ / "out");
-  const Finished captured = Process({LDP_DEVICE_PROGRAM, "capture", "--camera", scene, "--button",
-                                     "script:" + (room_ / "script").string(), "-o", capture().string()},
-                                    room_ / "captured")
-                                .wait();
-  ASSERT_EQ(captured.status, 0) << captured.said;
-  const int frames = frames_in(capture());
-  std::ofstream(room_ / "ldpd.toml")
-      << "[build]\nniceness = 0\noptions = [\"--layers\", \"1\", \"--iterations\", \"1\", \"--labels\", "
-         "\"4\"]\n";
+  const int frames = photograph_garden(capture());
+  ASSERT_GT(frames, 3) << text_of(room_ / "captured");
+  configure_ldp();
   script("wait 1");
   const auto build_in_peace = [&] {
     fs::remove(room_ / "said");
@@ -507,6 +616,62 @@ TEST_F(LdpdTest, LdpKilledAtAnyMomentOfItsBuildIsBegunAgainByTheNextStart) {
   build_in_peace();
   EXPECT_EQ(read_file(panorama()), wanted);
   EXPECT_FALSE(fs::exists(capture() / "build.json"));
+}
+
+// ldp follows the sweep; killed at any moment of sweep and build, the panorama is in the end, byte by byte, that of a
+// build of the finished folder.
+TEST_F(LdpdTest, WhetherLdpFollowsTheSweepOrIsKilledAtItChangesNoByte) {
+  fs::remove_all(room_ / "frames");
+  const int frames = photograph_garden(room_ / "frames");
+  ASSERT_GT(frames, 3) << text_of(room_ / "captured");
+  configure_ldp();
+  std::vector<std::string> words = command({});
+  words[4] = "folder:" + (room_ / "frames").string() + "?fps=25&hold=no";
+  int killed_in_sweep = 0, killed_in_build = 0;
+  std::mt19937 random(5);
+  const int rounds = kills() > 10 ? kills() : 3;
+  int64_t whole_us = 0;
+  for (int i = 0; i <= rounds; ++i) {
+    SCOPED_TRACE("kill " + std::to_string(i));
+    fs::remove_all(room_ / "out");
+    fs::remove(room_ / "said");
+    script(kUntilTheCameraEnds);
+    const auto begin = Clock::now();
+    Process service(words, room_ / "said");
+    ASSERT_TRUE(service.says("capturing"));
+    if (i > 0) {  // the first is left in peace
+      std::this_thread::sleep_for(std::chrono::microseconds(random() % static_cast<uint64_t>(whole_us)));
+      service.kill_child();
+    }
+    while (!service.says("is ready", 0) && !service.says("failed: ", 0) && service.runs()) {
+      std::this_thread::sleep_for(milliseconds(5));
+    }
+    if (i == 0) whole_us = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin).count();
+    const bool failed = service.says("failed: the build was killed", 0);
+    killed_in_build += failed ? 1 : 0;
+    killed_in_sweep += service.says("is built after its end", 0) ? 1 : 0;
+    service.stop(SIGTERM);
+    EXPECT_GE(frames_in(capture()), reported_stored());
+    if (failed) {
+      script("wait 1");
+      fs::remove(room_ / "said");
+      Process again(words, room_ / "said");
+      EXPECT_TRUE(again.says("is ready")) << text_of(room_ / "said");
+      again.stop(SIGTERM);
+    }
+    std::vector<std::string> plain{fs::path(LDPD_PROGRAM).replace_filename("ldp").string(), "build", capture().string(),
+                                   "-o", (room_ / "plain.ldp").string()};
+    plain.insert(plain.end(), kQuick.begin(), kQuick.end());
+    ASSERT_EQ(Process(plain, room_ / "plain").wait().status, 0) << text_of(room_ / "plain");
+    EXPECT_EQ(read_file(panorama()), read_file(room_ / "plain.ldp"));
+    EXPECT_TRUE(fs::is_empty(room_ / "out" / ".building"));
+    if (i == 0) {
+      EXPECT_EQ(killed_in_sweep, 0) << text_of(room_ / "said");
+    }
+  }
+  RecordProperty("killed_in_sweep", killed_in_sweep);
+  RecordProperty("killed_in_build", killed_in_build);
+  EXPECT_GE(killed_in_sweep + killed_in_build, 1);
 }
 
 // A small disk of its own, which is filled up but for so many KiB once the sweep has begun: every write in turn, of

@@ -15,11 +15,13 @@ TEST(Config, WhatIsPrintedReadsBackTheSame) {
   config.mode = ButtonMode::toggle;
   config.overlap = 0.6;
   config.memory_limit_mib = 300;
+  config.follow = false;
   config.options = {"--layers", "2"};
   const std::string text = config_text(config);
   const CheckedConfig checked = parse_config(text);
   EXPECT_TRUE(checked.mistakes.empty()) << checked.mistakes[0].text;
   EXPECT_EQ(config_text(checked.config), text);
+  EXPECT_FALSE(checked.config.follow);
 }
 
 TEST(Config, TheDefaultsAreGood) { EXPECT_TRUE(parse_config(config_text(Config())).mistakes.empty()); }
@@ -34,12 +36,14 @@ TEST(Config, EveryMistakeIsNamedWithItsLine) {
       "mode = \"press\"\n"
       "max_frames = 3.5\n"
       "[build]\n"
+      "follow = 1\n"
       "options = [1]\n"
       "[network]\n"
       "port = 80\n");
-  ASSERT_EQ(checked.mistakes.size(), 8U);
-  const std::pair<int, const char*> expected[] = {{1, "webcam"},     {2, "buton"}, {3, "list"},    {5, "0.3 to 0.95"},
-                                                  {6, "\"toggle\""}, {7, "whole"}, {9, "options"}, {10, "network"}};
+  ASSERT_EQ(checked.mistakes.size(), 9U);
+  const std::pair<int, const char*> expected[] = {{1, "webcam"},        {2, "buton"},      {3, "list"},
+                                                  {5, "0.3 to 0.95"},   {6, "\"toggle\""}, {7, "whole"},
+                                                  {9, "true or false"}, {10, "options"},   {11, "network"}};
   for (size_t i = 0; i < std::size(expected); ++i) {
     EXPECT_EQ(checked.mistakes[i].line, expected[i].first) << checked.mistakes[i].text;
     EXPECT_THAT(checked.mistakes[i].text, HasSubstr(expected[i].second));

@@ -522,18 +522,32 @@ TEST(EstimatePoses, GivesTheSameBytesAtAnyThreadCount) {
   }
 }
 
-TEST(PoseEstimator, GivesTheSameBytesAsAllFramesAtOnce) {
-  PoseEstimator estimator{PosesOptions{}};
+TEST(PoseEstimator, GivesTheSameBytesAsAllFramesAtOnceHoweverTheyArrive) {
+  const Photos photos(rendered(0.65).images);
+  PoseEstimator by_one{PosesOptions{}}, in_heaps{PosesOptions{}};
+  for (int count = 1; count <= photos.size(); ++count) by_one.add_frames(photos, count, Job{});
+  EXPECT_TRUE(same_bytes(estimated(), by_one.finish(Job{})));
+  Job job;
+  job.threads = 3;
+  for (const int count : {0, 2, 2, 7}) in_heaps.add_frames(photos, count, job);
+  EXPECT_EQ(in_heaps.size(), 7);
+  EXPECT_TRUE(same_bytes(estimated(), estimate_poses(photos, std::move(in_heaps), job)));
+}
+
+TEST(PoseEstimator, BeginsAnewWhenItsFramesAreNotTheFirstOfTheSource) {
+  class Renamed : public Photos {
+   public:
+    using Photos::Photos;
+    std::string name(int i) const override { return "other_" + Photos::name(i); }
+  };
   const std::vector<RgbImage>& images = rendered(0.65).images;
-  for (size_t i = 0; i < images.size(); ++i) {
-    const FrameNews news = estimator.add_frame(std::to_string(1000 + i) + ".png", images[i], std::nullopt, Job{});
-    EXPECT_GT(news.features, 100);
-    if (i > 0) {
-      EXPECT_GT(news.matches, 30);
-      EXPECT_NEAR(news.shift, 0.17, 0.1);
-    }
-  }
-  EXPECT_TRUE(same_bytes(estimated(), estimator.finish(Job{})));
+  PoseEstimator others{PosesOptions{}}, too_many{PosesOptions{}};
+  others.add_frames(Renamed({images[4], images[1]}), 2, Job{});
+  EXPECT_TRUE(same_bytes(estimated(), estimate_poses(Photos(images), std::move(others), Job{})));
+  std::vector<RgbImage> more = images;
+  more.push_back(images[0]);
+  too_many.add_frames(Photos(more), 9, Job{});
+  EXPECT_TRUE(same_bytes(estimated(), estimate_poses(Photos(images), std::move(too_many), Job{})));
 }
 
 TEST(EstimatePoses, RecognisesARotationOnTheSpot) {
