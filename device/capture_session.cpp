@@ -308,7 +308,10 @@ BuildCommand CaptureSession::build_command(bool follows) const {
 void CaptureSession::follow(const std::string& stored_file) {
   if (!config_.follow || run_ == Run::capture_only || (phase_ != Phase::capturing && phase_ != Phase::building)) return;
   try {
-    if (frames_stored_ == 1) follower_ = std::make_unique<BuildChild>(build_command(true));
+    if (frames_stored_ == 1) {
+      store_.clear_building();
+      follower_ = std::make_unique<BuildChild>(build_command(true));
+    }
     if (follower_) follower_->tell(stored_file);
   } catch (const std::exception& error) {
     log_warning(std::string(error.what()) + "; the sweep is built after its end");
