@@ -432,7 +432,8 @@ void CaptureSession::serve_follower() {
   follower_->read_progress();
   const auto end = follower_->end();
   if (!end) return;
-  log_warning("the build ended too early: " + end->reason + "; the sweep is built after its end");
+  const std::string why = end->ok ? "it did not wait for the end" : end->reason;
+  log_warning("the build that followed the sweep is over: " + why + "; the sweep is built after its end");
   follower_.reset();
 }
 

@@ -42,11 +42,12 @@ bounce_to() {
   done
 }
 
-# The stand-in for the build lists the frames into the panorama's file.
+# The stand-in for the build waits for the end of a sweep it follows, and lists the frames into the panorama's file.
 configure() {
   cat >/tmp/build <<'BUILD'
 #!/bin/bash
 capture=$2
+case " $* " in *" --follow "*) until [ "${line:-}" = end ]; do read -r line || exit 130; done ;; esac
 echo "0.5 poses" >&3
 sleep "${BUILD_SECONDS:-0}"
 while [ $# -gt 0 ]; do [ "$1" = -o ] && ls "$capture" >"$2"; shift; done
