@@ -202,14 +202,14 @@ TEST_F(Flow, ABuildThatFollowsTheSweepGivesTheSameBytes) {
                           "/frames/; [ $photo \\> 006 ] || echo $photo; sleep 0.02; done; echo end";
   const Outcome followed = Running(build_to("followed.ldp", {"--follow"}), room_, fed_by(arm)).wait();
   ASSERT_EQ(followed.status, 0) << followed.err;
-  EXPECT_EQ(text_of(path("plain.ldp")), text_of(path("followed.ldp")));
+  EXPECT_TRUE(text_of(path("plain.ldp")) == text_of(path("followed.ldp")));
   // Arm length and field of view that become known at the end only.
   fs::remove(path("followed.ldp"));
   const std::string late =
       "ls " + from + "/frames; sleep 0.3; echo '{\"fov_degrees\": 50}' > " + from + "/capture.json; echo end";
   ASSERT_EQ(Running(build_to("followed.ldp", {"--follow"}), room_, fed_by(late)).wait().status, 0);
   ASSERT_EQ(ldp(build_to("plain.ldp", {})).status, 0);
-  EXPECT_EQ(text_of(path("plain.ldp")), text_of(path("followed.ldp")));
+  EXPECT_TRUE(text_of(path("plain.ldp")) == text_of(path("followed.ldp")));
 }
 
 TEST_F(Flow, ABuildThatFollowsStopsQuietlyWhenTheSweepBreaksOff) {

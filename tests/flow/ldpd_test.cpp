@@ -663,7 +663,7 @@ TEST_F(LdpdTest, WhetherLdpFollowsTheSweepOrIsKilledAtItChangesNoByte) {
                                    "-o", (room_ / "plain.ldp").string()};
     plain.insert(plain.end(), kQuick.begin(), kQuick.end());
     ASSERT_EQ(Process(plain, room_ / "plain").wait().status, 0) << text_of(room_ / "plain");
-    EXPECT_EQ(read_file(panorama()), read_file(room_ / "plain.ldp"));
+    EXPECT_TRUE(read_file(panorama()) == read_file(room_ / "plain.ldp"));
     EXPECT_TRUE(fs::is_empty(room_ / "out" / ".building"));
     if (i == 0) {
       EXPECT_EQ(killed_in_sweep, 0) << text_of(room_ / "said");
