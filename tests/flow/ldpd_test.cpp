@@ -478,9 +478,10 @@ TEST_F(LdpdTest, TheBuildThatFollowsEndsWithItsSweep) {
     const char* name;
     std::string sweep, buttons;
     int signal;
+    const char* says = "";
   };
-  const Way ways[] = {{"cancelled", "mode = \"toggle\"\n", "press wait 3300 release", 0},
-                      {"too short", "min_frames = 80\n", "press wait 400 release", 0},
+  const Way ways[] = {{"cancelled", "mode = \"toggle\"\n", "press wait 3300 release", 0, "its frames were removed"},
+                      {"too short", "min_frames = 80\n", "press wait 400 release", 0, "are needed"},
                       {"shut down", "", "press wait 60000 release", SIGTERM},
                       {"killed", "", "press wait 60000 release", SIGKILL}};
   build_program("", kNoteLines);
@@ -490,7 +491,7 @@ TEST_F(LdpdTest, TheBuildThatFollowsEndsWithItsSweep) {
     for (const char* const file : {"said", "told"}) fs::remove(room_ / file);
     configure(way.sweep);
     script(way.buttons);
-    Process service(command({"--once"}), room_ / "said");
+    Process service(command({}), room_ / "said");
     while (text_of(room_ / "told").find('\n') == std::string::npos && service.runs()) {
       std::this_thread::sleep_for(milliseconds(5));
     }
@@ -499,7 +500,7 @@ TEST_F(LdpdTest, TheBuildThatFollowsEndsWithItsSweep) {
     if (way.signal != 0) {
       service.stop(way.signal);
     } else {
-      service.wait();
+      EXPECT_TRUE(service.says(way.says)) << text_of(room_ / "said");
     }
     EXPECT_TRUE(is_gone(follower));
     EXPECT_THAT(text_of(room_ / "told"), Not(HasSubstr("end")));
