@@ -206,7 +206,7 @@ Poses to_world(const Reconstruction& found, const Chosen& chosen, const std::vec
 Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs, const PosesOptions& options,
             const Job& job) {
   const std::pair<int, int> size = common_size(frames);
-  const Chosen chosen = choose(frames, pairs, size);
+  Chosen chosen = choose(frames, pairs, size);
   const Reconstruction found = reconstruct(chosen.sweep, focal_prior(frames, options), job);
   Poses poses = to_world(found, chosen, frames, options.arm_length);
   poses.report.motion = found.motion;

@@ -232,13 +232,15 @@ void try_general_motion(const MatchedSweep& sweep, const std::vector<Track>& tra
 
 }  // namespace
 
-Reconstruction reconstruct(const MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job) {
+Reconstruction reconstruct(MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job) {
   Reconstruction result;
+  const std::vector<Turns> turns = ldp::turns(sweep, focal, job);
+  sweep.pairs = without_contradictions(std::move(sweep.pairs), turns);
   result.dropped = loose_frames(sweep);
   require(sweep, result.dropped);
   std::vector<Track> tracks = build_tracks(sweep.features, sweep.pairs);
   tracks = connected(tracks, result.dropped);
-  result.bundle = starts(sweep, tracks, focal, job).front();
+  result.bundle = starts(sweep, tracks, turns, focal, job).front();
   job.report("adjusting", 0.7);
 
   Rounds rounds(sweep, focal, job);

@@ -20,7 +20,7 @@ struct Reconstruction {
   bool closed = false;
 };
 
-// Throws Impossible when fewer than 3 frames hang together.
-Reconstruction reconstruct(const MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job);
+// Pairs that contradict the others leave the sweep. Throws Impossible when fewer than 3 frames hang together.
+Reconstruction reconstruct(MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job);
 
 }  // namespace ldp

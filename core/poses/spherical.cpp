@@ -9,8 +9,12 @@
 namespace ldp {
 namespace {
 
-constexpr double kParallax_rad = 0.05;  // how far near things stray from a pure rotation
-constexpr double kLoose_rad = 0.1;      // disagreement between rotations at which an edge loses its say
+constexpr double kParallax_rad = 0.05;               // how far near things stray from a pure rotation
+constexpr double kShare = 0.9, kShareSigma = 0.2;    // of the turn that the pictures show, the cameras' own: 1 - the
+                                                     // inverse distance, in radii, of what they show
+constexpr double kAcross_rad = 0.02, kAcross = 0.1;  // deviation of the turn's axis: jitter and of the turn
+constexpr double kSay = 20;         // independent pairs that all pairs are worth, since what makes them err they share
+constexpr double kLoose_rad = 0.1;  // disagreement between rotations at which an edge loses its say
 
 Eigen::Matrix3d rotation(const Eigen::Vector3d& vector) {
   const double angle = vector.norm();
@@ -67,31 +71,51 @@ double spherical_cost(const Eigen::Matrix3d& b_from_a, const std::vector<RayPair
   return sum / static_cast<double>(pairs.size());
 }
 
+// What an outward-looking arc makes likely before any epipolar line is looked at: cameras turn about the axis that the
+// pictures turn about, by most of that turn. Few points, or narrow views, tell little else.
+Eigen::Vector4d unlikeliness(const Eigen::Matrix3d& b_from_a, const Eigen::Vector3d& shown) {
+  const Eigen::Vector3d own = rotation_vector(b_from_a);
+  const double share = own.dot(shown) / std::max(shown.squaredNorm(), 1e-12);
+  Eigen::Vector4d result;
+  result << (share - kShare) / kShareSigma, (own - share * shown) / (kAcross_rad + kAcross * shown.norm());
+  return result;
+}
+
 // Levenberg-Marquardt over the three turns, derivatives by differences, Cauchy weights.
-RelativeRotation refine(Eigen::Matrix3d r, const std::vector<RayPair>& pairs, double tolerance) {
+RelativeRotation refine(Eigen::Matrix3d r, const std::vector<RayPair>& pairs, const Eigen::Vector3d& shown,
+                        double tolerance) {
   constexpr double kStep = 1e-6;
-  double cost = spherical_cost(r, pairs, tolerance), damping = 1e-3;
+  const double say = kSay / static_cast<double>(pairs.size());
+  const auto cost_of = [&](const Eigen::Matrix3d& at) {
+    return kSay * spherical_cost(at, pairs, tolerance) + unlikeliness(at, shown).squaredNorm();
+  };
+  double cost = cost_of(r), damping = 1e-3;
   for (int i = 0; i < 20 && damping < 1e6; ++i) {
     const Eigen::Matrix3d e = spherical_essential(r);
     std::array<Eigen::Matrix3d, 3> turned;
     for (int axis = 0; axis < 3; ++axis) {
       turned[static_cast<size_t>(axis)] = spherical_essential(rotation(kStep * Eigen::Vector3d::Unit(axis)) * r);
     }
-    Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d g = Eigen::Vector3d::Zero();
+    const Eigen::Vector4d prior = unlikeliness(r, shown);
+    Eigen::Matrix<double, 4, 3> prior_by_turn;
+    for (int axis = 0; axis < 3; ++axis)
+      prior_by_turn.col(axis) =
+          (unlikeliness(rotation(kStep * Eigen::Vector3d::Unit(axis)) * r, shown) - prior) / kStep;
+    Eigen::Matrix3d h = prior_by_turn.transpose() * prior_by_turn;
+    Eigen::Vector3d g = prior_by_turn.transpose() * prior;
     for (const RayPair& pair : pairs) {
-      const double residual = sampson(e, pair);
+      const double residual = sampson(e, pair) / tolerance;
       Eigen::Vector3d jacobian;
       for (int axis = 0; axis < 3; ++axis)
-        jacobian[axis] = (sampson(turned[static_cast<size_t>(axis)], pair) - residual) / kStep;
-      const double weight = 1 / (1 + residual * residual / (tolerance * tolerance));
+        jacobian[axis] = (sampson(turned[static_cast<size_t>(axis)], pair) / tolerance - residual) / kStep;
+      const double weight = say / (1 + residual * residual);
       h += weight * jacobian * jacobian.transpose();
       g += weight * residual * jacobian;
     }
     h.diagonal() *= 1 + damping;
     h.diagonal().array() += 1e-12;
     const Eigen::Matrix3d next = rotation(-h.ldlt().solve(g)) * r;
-    const double value = spherical_cost(next, pairs, tolerance);
+    const double value = cost_of(next);
     if (value < cost) {
       const bool settled = cost - value < 1e-6 * cost;
       r = next, cost = value, damping *= 0.1;
@@ -110,11 +134,12 @@ RelativeRotation spherical_rotation(const std::vector<RayPair>& pairs, double to
   RelativeRotation best;
   bool first = true;
   for (const double share : {1.0, 0.75, 0.5}) {  // near scenes seem to turn by more than the camera does
-    RelativeRotation candidate = refine(rotation(share * turn), pairs, 4 * tolerance);
-    candidate = refine(candidate.b_from_a, pairs, tolerance);
+    RelativeRotation candidate = refine(rotation(share * turn), pairs, turn, 4 * tolerance);
+    candidate = refine(candidate.b_from_a, pairs, turn, tolerance);
     if (first || candidate.cost < best.cost) best = candidate;
     first = false;
   }
+  best.cost = spherical_cost(best.b_from_a, pairs, tolerance);
   return best;
 }
 

@@ -1,63 +1,18 @@
 #include "start.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
-
-#include "spherical.h"
 
 namespace ldp {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kSpherical = 4;    // hands leave the sphere: jitter shows as so many pixels
-constexpr double kAgreeing = 12;    // pixels of 800 within which a start explains an observation
-constexpr double kRightSide = 0.5;  // of what the best explains must others explain
-constexpr int kHypotheses = 10;     // focal lengths tried when nothing is known
-constexpr double kWidestView = 105 * kDegree, kNarrowestView = 18 * kDegree;  // of the longer side
-constexpr size_t kRaysPerPair = 100;                                          // matches that vote for a pair's rotation
-constexpr int kCoarsePerFrame = 50;             // observations per frame that decide between focal lengths
-constexpr double kGuess = 0.2;                  // inverse distance of a point that cannot be triangulated yet
-constexpr double kNearest = 5, kBeyond = -0.1;  // inverse distances that are believed
-constexpr size_t kFreed = 3;                    // starts that are adjusted with free centres
-constexpr double kSame = 0.02;                  // starts whose focal lengths differ by less are one
-
-std::vector<RayPair> ray_pairs(const MatchedSweep& sweep, const PairMatches& pair, double focal) {
-  std::vector<RayPair> rays;
-  const size_t step = std::max<size_t>(1, pair.matches.size() / kRaysPerPair);
-  for (size_t i = 0; i < pair.matches.size(); i += step) {
-    const Match& m = pair.matches[i];
-    rays.push_back({sweep.features[static_cast<size_t>(pair.a)].from_middle(m.a) / focal,
-                    sweep.features[static_cast<size_t>(pair.b)].from_middle(m.b) / focal});
-  }
-  return rays;
-}
-
-std::vector<RotationEdge> rotation_edges(const MatchedSweep& sweep, double focal) {
-  std::vector<RotationEdge> edges;
-  for (const PairMatches& pair : sweep.pairs) {
-    const RelativeRotation r = spherical_rotation(ray_pairs(sweep, pair, focal), sweep.pixels(kSpherical) / focal);
-    edges.push_back(
-        {pair.a, pair.b, r.b_from_a, std::pow(static_cast<double>(pair.matches.size()), 2) * std::exp(-r.cost)});
-  }
-  return edges;
-}
-
-std::vector<double> focal_hypotheses(const MatchedSweep& sweep, const std::optional<FocalPrior>& prior) {
-  std::vector<double> focals;
-  if (prior) {
-    for (const double factor : {0.8, 0.9, 1.0, 1.1, 1.25}) focals.push_back(factor * prior->focal_px);
-    return focals;
-  }
-  const double longer = std::max(sweep.features[0].width, sweep.features[0].height);
-  const double shortest = 0.5 * longer / std::tan(0.5 * kWidestView),
-               longest = 0.5 * longer / std::tan(0.5 * kNarrowestView);
-  for (int i = 0; i < kHypotheses; ++i)
-    focals.push_back(shortest * std::pow(longest / shortest, i / (kHypotheses - 1.0)));
-  return focals;
-}
+constexpr double kAgreeing = 12;     // pixels of 800 within which a start explains an observation
+constexpr double kRightSide = 0.5;   // of what the best explains must others explain
+constexpr int kCoarsePerFrame = 50;  // observations per frame that decide between focal lengths
+constexpr double kGuess = 0.2;       // inverse distance of a point that cannot be triangulated yet
+constexpr size_t kFreed = 3;         // starts that are adjusted with free centres
+constexpr double kSame = 0.02;       // starts whose focal lengths differ by less are one
 
 FocalPrior anybodys_lens(const MatchedSweep& sweep) {
   return {0.9 * std::max(sweep.features[0].width, sweep.features[0].height), 0.5};
@@ -97,42 +52,7 @@ void add(const Track& track, const InversePoint& point, Bundle& bundle) {
   for (const Observation& o : track) bundle.observations.push_back({o.frame, index, o.position_px, o.weight});
 }
 
-bool believable(const InversePoint& point) {
-  return point.inverse_distance < kNearest && point.inverse_distance > kBeyond;
-}
-
-// At infinity a camera's place does not matter: with all in one place, every point is found there.
-std::vector<Sighting> sightings(const Track& track, const Bundle& bundle, bool at_infinity = false) {
-  std::vector<Sighting> result;
-  for (const Observation& o : track) {
-    const Pose& pose = bundle.cameras[static_cast<size_t>(o.frame)];
-    result.push_back({pose.world_from_camera.transpose(), at_infinity ? Eigen::Vector3d::Zero().eval() : pose.centre,
-                      ray_of(o.position_px, bundle.lens)});
-  }
-  return result;
-}
-
 }  // namespace
-
-double MatchedSweep::pixels(double of_800) const {
-  return of_800 * std::max(features[0].width, features[0].height) / 800;
-}
-
-double agreeing_share(const MatchedSweep& sweep, const Bundle& bundle, const PairMatches& pair, double tolerance_px,
-                      bool at_infinity) {
-  const auto observation = [&](int frame, int feature) {
-    return Observation{frame, feature, sweep.features[static_cast<size_t>(frame)].from_middle(feature)};
-  };
-  const double tolerance = tolerance_px / bundle.lens.focal_px;
-  const auto agrees = [&](const Match& match) {
-    const Track both{observation(pair.a, match.a), observation(pair.b, match.b)};
-    const std::vector<Sighting> s = sightings(both, bundle, at_infinity);
-    const std::optional<InversePoint> point = triangulate_point(s);
-    return point && sighting_error(*point, s[0]) < tolerance && sighting_error(*point, s[1]) < tolerance;
-  };
-  return static_cast<double>(std::count_if(pair.matches.begin(), pair.matches.end(), agrees)) /
-         static_cast<double>(pair.matches.size());
-}
 
 std::vector<Track> longest_tracks(std::vector<Track> tracks, int frames, int per_frame) {
   std::stable_sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.size() > b.size(); });
@@ -214,26 +134,22 @@ std::vector<Start> right_side_out(const MatchedSweep& sweep, const std::vector<T
   return kept;
 }
 
-std::vector<Bundle> starts(const MatchedSweep& sweep, const std::vector<Track>& tracks,
+std::vector<Bundle> starts(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
                            const std::optional<FocalPrior>& prior, const Job& job) {
   const std::vector<Track> coarse = longest_tracks(tracks, sweep.frames(), kCoarsePerFrame);
-  const std::vector<double> focals = focal_hypotheses(sweep, prior);
-  std::vector<Start> candidates(focals.size());
+  std::vector<Start> candidates(turns.size());
   BundleOptions options;
   options.focal_prior = prior.value_or(anybodys_lens(sweep));
-  options.loss_px = sweep.pixels(kSpherical);
+  options.loss_px = sweep.pixels(kOffTheSphere);
   options.model = Model::spherical;
   options.most_iterations = 30;
   Job alone = job;  // of each candidate
   alone.threads = 1;
-  parallel_for(job, static_cast<int>(focals.size()), [&](int i) {
+  parallel_for(job, static_cast<int>(turns.size()), [&](int i) {
+    const Turns& one = turns[static_cast<size_t>(i)];
     Start& start = candidates[static_cast<size_t>(i)];
-    start.bundle.lens.focal_px = focals[static_cast<size_t>(i)];
-    std::vector<bool> reached;
-    for (const Eigen::Matrix3d& r : average_rotations(sweep.frames(), sweep.frames() / 2,
-                                                      rotation_edges(sweep, focals[static_cast<size_t>(i)]), reached)) {
-      start.bundle.cameras.push_back({r, r.col(2)});
-    }
+    start.bundle.lens.focal_px = one.focal_px;
+    for (const Eigen::Matrix3d& r : one.world_from_camera) start.bundle.cameras.push_back({r, r.col(2)});
     place_all(coarse, start.bundle);
     adjust(start, options, alone);
   });

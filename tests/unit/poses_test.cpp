@@ -248,6 +248,23 @@ TEST(SphericalRotation, BearsAThirdOfWrongPairs) {
   EXPECT_LT(angle_deg(spherical_rotation(pairs, 0.002).b_from_a, truth), 0.3);
 }
 
+TEST(SphericalRotation, StaysWithWhatThePicturesShowWhereLinesTellLittle) {
+  // Twenty points of a view of 8 degrees, half a pixel of 800 off: hundreds of rotations fit their epipolar lines.
+  const Eigen::Matrix3d truth = turn(0.3, 3, 0.2);
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    std::vector<RayPair> pairs;
+    while (pairs.size() < 20) {
+      const Eigen::Vector3d a(uniform(random, -0.07, 0.07), uniform(random, -0.05, 0.05), 1);
+      const double w = uniform(random, 0, 0.2);
+      const Eigen::Vector3d b = truth * (a + w * Eigen::Vector3d::UnitZ()) - w * Eigen::Vector3d::UnitZ();
+      const Eigen::Vector2d off(uniform(random, -9e-5, 9e-5), uniform(random, -9e-5, 9e-5));
+      pairs.push_back({a.hnormalized(), b.hnormalized() + off});
+    }
+    EXPECT_LT(angle_deg(spherical_rotation(pairs, 0.0007).b_from_a, truth), 1) << "seed " << seed;
+  }
+}
+
 TEST(AverageRotations, ClosesALoopAndIgnoresAFalseEdge) {
   std::vector<RotationEdge> edges;
   const Eigen::Matrix3d step = turn(0, 36, 0);  // b_from_a; ten of them are a full turn
@@ -353,6 +370,37 @@ struct KnownSweep {
   }
   std::string doubted() const { return doubt(sweep, found, names); }
 };
+
+// What photo b - 2 shows, found in photo b: something that stands there twice.
+PairMatches seen_twice(const KnownSweep& known, int a, int b) {
+  const auto& there = known.sweep.features[static_cast<size_t>(b) - 2].positions;
+  const auto& here = known.sweep.features[static_cast<size_t>(b)].positions;
+  PairMatches pair{a, b, {}};
+  for (const Match& m : known.matches(a, b - 2)) {
+    const auto near = [&](const Eigen::Vector2d& p) { return (p - there[static_cast<size_t>(m.b)]).norm() < 30; };
+    const auto found = std::find_if(here.begin(), here.end(), near);
+    if (found != here.end()) pair.matches.push_back({m.a, static_cast<int>(found - here.begin()), 0});
+  }
+  return pair;
+}
+
+TEST(WithoutContradictions, KeepsTheMatchesOfATrueSweep) {
+  const KnownSweep known;
+  const std::vector<PairMatches> kept = without_contradictions(known.sweep.pairs, turns(known.sweep, {}, Job{}));
+  ASSERT_EQ(kept.size(), known.sweep.pairs.size());
+  for (size_t i = 0; i < kept.size(); ++i)
+    EXPECT_GT(kept[i].matches.size(), 0.95 * static_cast<double>(known.sweep.pairs[i].matches.size())) << i;
+}
+
+TEST(WithoutContradictions, LeavesOutThingsThatOnlyLookTheSame) {
+  KnownSweep known;
+  const size_t true_pairs = known.sweep.pairs.size();
+  known.sweep.pairs.push_back(seen_twice(known, 1, 4));
+  ASSERT_GE(known.sweep.pairs.back().matches.size(), 16U);
+  const FocalPrior told{known.found.bundle.lens.focal_px, 0.1};
+  const std::vector<PairMatches> kept = without_contradictions(known.sweep.pairs, turns(known.sweep, told, Job{}));
+  EXPECT_EQ(kept.size(), true_pairs);
+}
 
 TEST(Doubt, IsSilentAboutTruePoses) { EXPECT_EQ(KnownSweep().doubted(), ""); }
 

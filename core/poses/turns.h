@@ -1,0 +1,32 @@
+// How the cameras of a sweep turn, for every focal length that they may have: rotations of all pairs under spherical
+// motion, averaged (spherical.h). And which matches contradict that, because a sweep shows things twice that look the
+// same (windows, chairs, a pattern on a wall): photos are taken one after the other, so neighbours are trusted first.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "bundle.h"
+#include "job.h"
+#include "matched_sweep.h"
+
+namespace ldp {
+
+constexpr double kOffTheSphere = 4;  // hands leave the sphere: jitter shows as so many pixels of 800
+
+// How the cameras turn, if their focal length is this.
+struct Turns {
+  double focal_px = 0;
+  std::vector<Eigen::Matrix3d> world_from_camera;
+  std::vector<std::vector<bool>> agrees;  // by pair of the sweep and match: whether it shows that too
+};
+
+// For several focal lengths, around the prior's or over all that cameras have.
+std::vector<Turns> turns(const MatchedSweep& sweep, const std::optional<FocalPrior>& prior, const Job& job);
+
+// The sweep's pairs but those that turn otherwise than the rest whatever the focal length: things that look the same
+// and are not.
+std::vector<PairMatches> without_contradictions(std::vector<PairMatches> pairs, const std::vector<Turns>& turns);
+
+}  // namespace ldp
