@@ -275,7 +275,10 @@ class Build {
 
   void fetch(std::vector<Layer>& layers) {
     Photographs photographs{frames_, poses_.cameras, poses_.frame_of_camera, {}};
-    for (const UprightFrame& frame : upright_) photographs.gains.push_back(frame.gain);
+    for (size_t i = 0; i < upright_.size(); ++i) {
+      photographs.gains.push_back(upright_[i].gain);
+      report_.gains[poses_.cameras[i].name] = upright_[i].gain;
+    }
     std::vector<UprightFrame>().swap(upright_);  // the colours need their memory
     std::vector<ColourTask> tasks;
     for (size_t k = 0; k < layers.size(); ++k) tasks.push_back({&layers_[k], &sources_[k], &layers[k].colour});

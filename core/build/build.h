@@ -1,6 +1,7 @@
 // From a capture to a layered depth panorama: the one function that states the order of the stages.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <map>
 #include <string>
@@ -41,7 +42,9 @@ struct BuildReport {
   std::vector<SolveEntry> solves;
   PosesReport poses;
   ArcFit arc;
-  std::vector<double> coverage;    // share of present pixels per layer
+  std::vector<double> coverage;  // share of present pixels per layer
+  std::map<std::string, std::array<float, 3>>
+      gains;                       // by photo: what its R, G, B were multiplied by to match the others
   std::vector<std::string> notes;  // one line each, e.g. "no parallax was found: one far layer"
 };
 

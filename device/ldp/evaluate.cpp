@@ -1,5 +1,7 @@
 // ldp evaluate: how well does a build predict photos it has not seen?
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -68,6 +70,33 @@ Split split(const PreparedBuild& prepared, int every, const Job& job) {
   return result;
 }
 
+using Gain = std::array<float, 3>;
+
+// The exposure that a left-out photo may be expected to have: between those of the photos before and after it.
+Gain expected_gain(const Split& split, size_t test, const std::map<std::string, Gain>& gains) {
+  const int frame = split.test_frames[test];
+  const auto after = std::upper_bound(split.kept_frames.begin(), split.kept_frames.end(), frame);
+  const auto last = split.kept_frames.end() - 1;
+  const auto to = std::min(after, last), from = after == split.kept_frames.begin() ? after : after - 1;
+  const double share = *to == *from ? 0 : static_cast<double>(frame - *from) / (*to - *from);
+  const auto gain = [&](auto at) {
+    return gains.at(split.kept[static_cast<size_t>(at - split.kept_frames.begin())].name);
+  };
+  Gain expected;
+  for (size_t c = 0; c < 3; ++c)
+    expected[c] = static_cast<float>(std::pow(gain(from)[c], 1 - share) * std::pow(gain(to)[c], share));
+  return expected;
+}
+
+// A picture as a photo of that gain would show it.
+void expose(RgbImage& picture, const Gain& gain) {
+  const auto exposed = [](uint8_t sample, float factor) {
+    return static_cast<uint8_t>(std::clamp(std::lround(static_cast<float>(sample) / factor), 0L, 255L));
+  };
+  for (Rgb& pixel : picture.samples)
+    pixel = {exposed(pixel.r, gain[0]), exposed(pixel.g, gain[1]), exposed(pixel.b, gain[2])};
+}
+
 struct Row {
   std::string name;
   ViewQuality ours, baseline;
@@ -76,7 +105,7 @@ struct Row {
 class Evaluation {
  public:
   Evaluation(const PreparedBuild& prepared, const Split& split, const BuildResult& result, const Job& job)
-      : prepared_(prepared), split_(split), renderer_(result.panorama), job_(job) {
+      : prepared_(prepared), split_(split), gains_(result.report.gains), renderer_(result.panorama), job_(job) {
     const double near = result.panorama.grid.w_near;
     nearest_depth_ = near > 0 ? 1 / near : 1e6;
   }
@@ -85,7 +114,8 @@ class Evaluation {
     const Camera& camera = split_.tests[test];
     job_.report("comparing", static_cast<double>(test) / static_cast<double>(split_.tests.size()));
     const RgbImage truth = prepared_.frames.load(split_.test_frames[test]);
-    const View view = renderer_.render(camera, {}, job_);
+    View view = renderer_.render(camera, {}, job_);
+    expose(view.colour, expected_gain(split_, test, gains_));
     const auto nearest = static_cast<size_t>(nearest_camera(split_.kept, camera, nearest_depth_));
     const RgbImage photo = prepared_.frames.load(split_.kept_frames[nearest]);
     const BaselineView flat = baseline_view(photo, split_.kept[nearest], camera, truth, nearest_depth_);
@@ -102,6 +132,7 @@ class Evaluation {
  private:
   const PreparedBuild& prepared_;
   const Split& split_;
+  const std::map<std::string, Gain>& gains_;
   Renderer renderer_;
   const Job& job_;
   double nearest_depth_ = 0;
