@@ -14,6 +14,7 @@ constexpr double kNearest = 1e-3;         // smallest z of a point in camera axe
 constexpr double kLongestLog = 14;        // of a focal length in pixels: beyond, a step went astray
 constexpr double kBehind_px = 1e3;        // residual of a point behind the camera
 constexpr double kDistortionSigma = 0.1;  // of k1 and k2 about zero
+constexpr double kHeldSigma = 1e-8;       // of what is held where it is
 
 using RowMajor23 = Eigen::Matrix<double, 2, 3, Eigen::RowMajor>;
 using RowMajor24 = Eigen::Matrix<double, 2, 4, Eigen::RowMajor>;
@@ -131,13 +132,16 @@ struct ArcPrior {
   }
 };
 
+// What is not refined is held by its prior instead of a manifold: all blocks but points then have three free
+// parameters, for which Ceres has an elimination of fixed size, twice as fast as that of any size.
 struct LensPrior {
-  double log_focal, focal_weight;
+  std::array<double, 3> mean;  // log focal, k1, k2
+  double focal_sigma, distortion_sigma;
   template <typename T>
   bool operator()(const T* lens, T* residual) const {
-    residual[0] = (lens[0] - log_focal) * focal_weight;
-    residual[1] = lens[1] / kDistortionSigma;
-    residual[2] = lens[2] / kDistortionSigma;
+    residual[0] = (lens[0] - mean[0]) / focal_sigma;
+    residual[1] = (lens[1] - mean[1]) / distortion_sigma;
+    residual[2] = (lens[2] - mean[2]) / distortion_sigma;
     return true;
   }
 };
@@ -190,21 +194,22 @@ Blocks blocks_of(const Bundle& bundle) {
   return blocks;
 }
 
-void take(Blocks& blocks, Model model, Bundle& bundle) {
+void take(Blocks& blocks, const BundleOptions& options, Bundle& bundle) {
   for (size_t i = 0; i < bundle.cameras.size(); ++i) {
     const double* q = blocks.rotation(i);
     Pose& pose = bundle.cameras[i];
     pose.world_from_camera = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix().transpose();
-    pose.centre =
-        model == Model::free ? Eigen::Vector3d(blocks.centre(i)) : Eigen::Vector3d(pose.world_from_camera.col(2));
+    pose.centre = options.model == Model::free ? Eigen::Vector3d(blocks.centre(i))
+                                               : Eigen::Vector3d(pose.world_from_camera.col(2));
   }
   for (size_t i = 0; i < bundle.points.size(); ++i) {
     const double* p = blocks.point(i);
     const DirectionFrame& frame = blocks.frames[i];
     const Eigen::Vector3d m = frame.base + p[0] * frame.e1 + p[1] * frame.e2;
-    bundle.points[i] = {m.normalized(), model == Model::rotation ? 0 : p[2] / m.norm()};
+    bundle.points[i] = {m.normalized(), options.model == Model::rotation ? 0 : p[2] / m.norm()};
   }
-  bundle.lens = {std::exp(blocks.lens()[0]), blocks.lens()[1], blocks.lens()[2]};
+  if (options.refine_focal) bundle.lens.focal_px = std::exp(blocks.lens()[0]);
+  if (options.refine_distortion) bundle.lens.k1 = blocks.lens()[1], bundle.lens.k2 = blocks.lens()[2];
 }
 
 void add_residuals(const Bundle& bundle, const BundleOptions& options, Blocks& blocks, ceres::Problem& problem) {
@@ -236,18 +241,14 @@ void add_residuals(const Bundle& bundle, const BundleOptions& options, Blocks& b
 }
 
 void add_lens(const Bundle& bundle, const BundleOptions& options, Blocks& blocks, ceres::Problem& problem) {
-  double* lens = blocks.lens();
-  if (!options.refine_focal && !options.refine_distortion) {
-    problem.SetParameterBlockConstant(lens);
-    return;
-  }
-  std::vector<int> constant = options.refine_distortion ? std::vector<int>{} : std::vector<int>{1, 2};
-  if (!options.refine_focal) constant = {0};
-  if (!constant.empty()) problem.SetManifold(lens, new ceres::SubsetManifold(3, constant));
   const FocalPrior prior = options.focal_prior.value_or(FocalPrior{bundle.lens.focal_px, 1e6});
-  problem.AddResidualBlock(
-      new ceres::AutoDiffCostFunction<LensPrior, 3, 3>(new LensPrior{std::log(prior.focal_px), 1 / prior.log_sigma}),
-      nullptr, lens);
+  const LensPrior cost = {
+      {std::log(options.refine_focal ? prior.focal_px : bundle.lens.focal_px),
+       options.refine_distortion ? 0 : bundle.lens.k1, options.refine_distortion ? 0 : bundle.lens.k2},
+      options.refine_focal ? prior.log_sigma : kHeldSigma,
+      options.refine_distortion ? kDistortionSigma : kHeldSigma};
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<LensPrior, 3, 3>(new LensPrior(cost)), nullptr,
+                           blocks.lens());
 }
 
 }  // namespace
@@ -284,7 +285,7 @@ BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& jo
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   job.check();
-  take(blocks, options.model, bundle);
+  take(blocks, options, bundle);
   return {summary.final_cost, static_cast<int>(summary.iterations.size()), summary.IsSolutionUsable()};
 }
 
