@@ -240,6 +240,17 @@ void add_residuals(const Bundle& bundle, const BundleOptions& options, Blocks& b
   }
 }
 
+// Turning the world changes no residual: without one camera held, rounding errors alone would say how it turns, and
+// cameras would come out otherwise on every machine.
+void hold_the_world(size_t cameras, Blocks& blocks, ceres::Problem& problem) {
+  for (size_t i = 0; i < cameras; ++i) {
+    double* rotation = blocks.rotation((i + cameras / 2) % cameras);
+    if (!problem.HasParameterBlock(rotation)) continue;
+    problem.SetParameterBlockConstant(rotation);
+    return;
+  }
+}
+
 void add_lens(const Bundle& bundle, const BundleOptions& options, Blocks& blocks, ceres::Problem& problem) {
   const FocalPrior prior = options.focal_prior.value_or(FocalPrior{bundle.lens.focal_px, 1e6});
   const LensPrior cost = {
@@ -261,6 +272,7 @@ BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& jo
   Blocks blocks = blocks_of(bundle);
   ceres::Problem problem;
   add_residuals(bundle, options, blocks, problem);
+  hold_the_world(bundle.cameras.size(), blocks, problem);
   add_lens(bundle, options, blocks, problem);
 
   ceres::Solver::Options solver;

@@ -192,10 +192,10 @@ class Follower {
     return 0.5 * Eigen::Vector2d(pictures_[frame].grey.width, pictures_[frame].grey.height);
   }
   Eigen::Vector2d to_picture(const Eigen::Vector2d& p, size_t frame) const {
-    return pictures_[frame].scale * p + middle(frame);
+    return pictures_[frame].scale.cwiseProduct(p) + middle(frame);
   }
   Eigen::Vector2d from_picture(const Eigen::Vector2d& p, size_t frame) const {
-    return (p - middle(frame)) / pictures_[frame].scale;
+    return (p - middle(frame)).cwiseQuotient(pictures_[frame].scale);
   }
 
   double weight(double sigma, size_t frame) const {
@@ -227,7 +227,7 @@ class Follower {
       if (!a.in_front || !b.in_front) return std::nullopt;
       at_home[i] = a.position_px, there[i] = b.position_px;
     }
-    const Eigen::Vector2d limit = middle(frame) / pictures_[frame].scale;
+    const Eigen::Vector2d limit = middle(frame).cwiseQuotient(pictures_[frame].scale);
     if (std::abs(there[0].x()) > limit.x() || std::abs(there[0].y()) > limit.y()) return std::nullopt;
     Eigen::Matrix2d a, b;
     a << at_home[1] - at_home[0], at_home[2] - at_home[0];

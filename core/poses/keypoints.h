@@ -18,7 +18,6 @@ constexpr int kDescriptorLength = 128;
 struct Features {
   int width = 0, height = 0;               // of the photograph, pixels
   std::vector<Eigen::Vector2d> positions;  // in the photograph, pixel centres at .5
-  std::vector<float> sizes;                // diameter of the neighbourhood, photo pixels
   std::vector<int16_t> descriptors;        // kDescriptorLength per point, of Euclidean length about kDescriptorNorm
 
   int size() const { return static_cast<int>(positions.size()); }
@@ -38,8 +37,8 @@ struct FeatureOptions {
 // The photograph in grey, scaled down if its longer side has more than `most_px` pixels. This is what is kept of it.
 struct GreyPhoto {
   GreyImage grey;
-  double scale = 1;           // pixels of `grey` per pixel of the photograph
-  int width = 0, height = 0;  // of the photograph
+  Eigen::Vector2d scale = Eigen::Vector2d::Ones();  // pixels of `grey` per pixel of the photograph
+  int width = 0, height = 0;                        // of the photograph
 };
 
 GreyPhoto make_grey_photo(const RgbImage& image, int most_px);

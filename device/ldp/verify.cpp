@@ -15,7 +15,7 @@
 namespace ldp {
 namespace {
 
-int run(const std::string& file, const Session& session) {
+int check_file(const std::string& file, const Session& session) {
   check_input_file(file);
   std::optional<ProgressBar> bar(session.progress_fd);
   const MappedFile mapped(file);
@@ -36,7 +36,7 @@ int run(const std::string& file, const Session& session) {
 void add_verify(Program& program) {
   auto file = std::make_shared<std::string>();
   CLI::App& app = add_command(program, "verify", "Check every checksum and bound of an .ldp file",
-                              [file](const Session& session) { return run(*file, session); });
+                              [file](const Session& session) { return check_file(*file, session); });
   app.add_option("FILE", *file, "The .ldp file")->required();
 }
 

@@ -148,6 +148,9 @@ TEST(ResizeByArea, AveragesExactly) {
   EXPECT_EQ(half.at(1, 0), (Rgb{75, 0, 255}));
   const RgbImage thirds = resize_by_area(image, 3, 2);  // pixel 0 covers 1 and a third of its source
   EXPECT_EQ(thirds.at(0, 0).r, 3);                      // (0 * 3 + 10 * 1) / 4 = 2.5
+  GreyImage grey(4, 2);
+  std::transform(image.samples.begin(), image.samples.end(), grey.samples.begin(), [](const Rgb& p) { return p.r; });
+  EXPECT_EQ(resize_by_area(grey, 2, 1).samples, (std::vector<uint8_t>{55, 75}));
   EXPECT_THROW(resize_by_area(image, 5, 1), std::logic_error);
 }
 

@@ -43,10 +43,9 @@ double angle_deg(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
 }
 
 Features features_of(const std::vector<std::vector<int16_t>>& descriptors) {
-  Features f{100, 100, {}, {}, {}};
+  Features f{100, 100, {}, {}};
   for (const auto& d : descriptors) {
     f.positions.emplace_back(f.size(), 2 * f.size());
-    f.sizes.push_back(1);
     f.descriptors.insert(f.descriptors.end(), d.begin(), d.end());
   }
   return f;
@@ -149,7 +148,7 @@ TEST(MatchGuided, TellsTwinsApartByTheirLinesOfSight) {
   bundle.lens.focal_px = 500;
   bundle.cameras = {{Eigen::Matrix3d::Identity(), {0, 0, 1}}, {turn(0, 15, 0), turn(0, 15, 0).col(2)}};
   MatchedSweep sweep;
-  sweep.features.resize(2, Features{800, 600, {}, {}, {}});
+  sweep.features.resize(2, Features{800, 600, {}, {}});
   for (int i = 0; i < 40; ++i) {
     const std::vector<int16_t> look = random_descriptor(random);
     for (const double height : {-0.25, 0.25}) {
@@ -159,7 +158,6 @@ TEST(MatchGuided, TellsTwinsApartByTheirLinesOfSight) {
         Features& f = sweep.features[frame];
         const Projection p = project_point(bundle.cameras[frame], bundle.lens, {x.normalized(), 1 / x.norm()});
         f.positions.emplace_back(p.position_px + Eigen::Vector2d(400, 300));
-        f.sizes.push_back(1);
         f.descriptors.insert(f.descriptors.end(), look.begin(), look.end());
       }
     }
@@ -317,7 +315,9 @@ TEST_P(Adjust, ReturnsToTheTruthFromADisturbedStart) {
   options.loss_px = 5;
   options.arc_sigma = 10;
   options.most_iterations = 200;
+  const Eigen::Matrix3d held = bundle.cameras[4].world_from_camera;
   EXPECT_TRUE(adjust(bundle, options, Job{}).usable);
+  EXPECT_LT(angle_deg(bundle.cameras[4].world_from_camera, held), 1e-6) << "the world turned, which nothing asks for";
   EXPECT_NEAR(bundle.lens.focal_px, 700, 1);
   for (size_t i = 1; i < bundle.cameras.size(); ++i) {
     const Eigen::Matrix3d found = bundle.cameras[i].world_from_camera.transpose() * bundle.cameras[0].world_from_camera;

@@ -1,6 +1,8 @@
 #include "resize.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <stdexcept>
 #include <vector>
 
@@ -27,45 +29,43 @@ std::vector<Span> spans(int source, int target) {
   return all;
 }
 
-struct Sums {
-  uint64_t r = 0, g = 0, b = 0;
-};
-
-}  // namespace
-
-RgbImage resize_by_area(const RgbImage& source, int width, int height) {
+template <typename Pixel>
+Plane<Pixel> resized(const Plane<Pixel>& source, int width, int height) {
   if (width < 1 || height < 1 || width > source.width || height > source.height) {
     throw std::logic_error("resize_by_area: the new size must lie between 1x1 and the source's");
   }
   if (width == source.width && height == source.height) return source;
+  constexpr size_t kChannels = sizeof(Pixel);  // of 8 bits
+  const auto bytes = [](auto* pixels) { return reinterpret_cast<const uint8_t*>(pixels); };
   const std::vector<Span> columns = spans(source.width, width), rows = spans(source.height, height);
   const uint64_t area = static_cast<uint64_t>(source.width) * static_cast<uint64_t>(source.height);
-  RgbImage result(width, height);
-  std::vector<Sums> line(static_cast<size_t>(width));
+  Plane<Pixel> result(width, height);
+  std::vector<std::array<uint64_t, kChannels>> line(static_cast<size_t>(width));
   for (int y = 0; y < height; ++y) {
-    std::fill(line.begin(), line.end(), Sums{});
+    std::fill(line.begin(), line.end(), std::array<uint64_t, kChannels>{});
     const Span& row = rows[static_cast<size_t>(y)];
     for (size_t j = 0; j < row.weights.size(); ++j) {
-      const Rgb* pixels = source.row(row.begin + static_cast<int>(j));
+      const uint8_t* from = bytes(source.row(row.begin + static_cast<int>(j)));
       for (int x = 0; x < width; ++x) {
         const Span& column = columns[static_cast<size_t>(x)];
-        Sums& sum = line[static_cast<size_t>(x)];
-        for (size_t i = 0; i < column.weights.size(); ++i) {
-          const Rgb& pixel = pixels[column.begin + static_cast<int>(i)];
-          const uint64_t weight = uint64_t{row.weights[j]} * column.weights[i];
-          sum.r += weight * pixel.r;
-          sum.g += weight * pixel.g;
-          sum.b += weight * pixel.b;
+        const uint8_t* pixel = from + static_cast<size_t>(column.begin) * kChannels;
+        for (const uint32_t weight : column.weights) {
+          for (size_t c = 0; c < kChannels; ++c)
+            line[static_cast<size_t>(x)][c] += uint64_t{row.weights[j]} * weight * *pixel++;
         }
       }
     }
-    const auto mean = [area](uint64_t sum) { return static_cast<uint8_t>((sum + area / 2) / area); };
-    for (int x = 0; x < width; ++x) {
-      const Sums& sum = line[static_cast<size_t>(x)];
-      result.at(x, y) = {mean(sum.r), mean(sum.g), mean(sum.b)};
+    uint8_t* to = reinterpret_cast<uint8_t*>(result.row(y));
+    for (const auto& sums : line) {
+      for (const uint64_t sum : sums) *to++ = static_cast<uint8_t>((sum + area / 2) / area);
     }
   }
   return result;
 }
+
+}  // namespace
+
+RgbImage resize_by_area(const RgbImage& source, int width, int height) { return resized(source, width, height); }
+GreyImage resize_by_area(const GreyImage& source, int width, int height) { return resized(source, width, height); }
 
 }  // namespace ldp
