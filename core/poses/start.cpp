@@ -7,12 +7,13 @@
 namespace ldp {
 namespace {
 
-constexpr double kAgreeing = 12;     // pixels of 800 within which a start explains an observation
-constexpr double kRightSide = 0.5;   // of what the best explains must others explain
-constexpr int kCoarsePerFrame = 50;  // observations per frame that decide between focal lengths
-constexpr double kGuess = 0.2;       // inverse distance of a point that cannot be triangulated yet
-constexpr size_t kFreed = 3;         // starts that are adjusted with free centres
-constexpr double kSame = 0.02;       // starts whose focal lengths differ by less are one
+constexpr double kAgreeing = 12;         // pixels of 800 within which a start explains an observation
+constexpr double kRightSide = 0.5;       // of what the best explains must others explain
+constexpr int kCoarsePerFrame = 50;      // observations per frame that decide between focal lengths
+constexpr double kGuess = 0.2;           // inverse distance of a point that cannot be triangulated yet
+constexpr size_t kFreed = 3;             // starts that are adjusted with free centres
+constexpr double kNearTheSphere = 0.05;  // sigma of these: a short arc could turn inside out otherwise
+constexpr double kSame = 0.02;           // starts whose focal lengths differ by less are one
 
 FocalPrior anybodys_lens(const MatchedSweep& sweep) {
   return {0.9 * std::max(sweep.features[0].width, sweep.features[0].height), 0.5};
@@ -155,6 +156,7 @@ std::vector<Bundle> starts(const MatchedSweep& sweep, const std::vector<Track>& 
   });
   candidates = best_of(right_side_out(sweep, coarse, std::move(candidates), job), kFreed);
   options.model = Model::free;
+  options.arc_sigma = kNearTheSphere;
   parallel_for(job, static_cast<int>(candidates.size()),
                [&](int i) { adjust(candidates[static_cast<size_t>(i)], options, alone); });
   candidates = best_of(right_side_out(sweep, coarse, std::move(candidates), job), kFreed);
