@@ -278,7 +278,12 @@ BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& jo
   ceres::Solver::Options solver;
   auto* ordering = new ceres::ParameterBlockOrdering;
   for (size_t i = 0; i < bundle.points.size(); ++i) {
-    if (problem.HasParameterBlock(blocks.point(i))) ordering->AddElementToGroup(blocks.point(i), 0);
+    if (!problem.HasParameterBlock(blocks.point(i))) continue;
+    ordering->AddElementToGroup(blocks.point(i), 0);
+    if (options.in_front && options.model != Model::rotation) {
+      blocks.point(i)[2] = std::max(blocks.point(i)[2], 0.0);
+      problem.SetParameterLowerBound(blocks.point(i), 2, 0);
+    }
   }
   for (size_t i = 0; i < bundle.cameras.size(); ++i) {
     if (!problem.HasParameterBlock(blocks.rotation(i))) continue;

@@ -240,7 +240,7 @@ Reconstruction reconstruct(MatchedSweep& sweep, const std::optional<FocalPrior>&
   require(sweep, result.dropped);
   std::vector<Track> tracks = build_tracks(sweep.features, sweep.pairs);
   tracks = connected(tracks, result.dropped);
-  result.bundle = starts(sweep, tracks, turns, focal, job).front();
+  result.bundle = start(sweep, tracks, turns, focal, job);
   job.report("adjusting", 0.7);
 
   Rounds rounds(sweep, focal, job);

@@ -117,16 +117,19 @@ std::vector<Track> place_good(const std::vector<Track>& tracks, double tolerance
   return kept;
 }
 
+size_t agreeing_observations(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle bundle,
+                             const Job& job) {
+  place_good(tracks, sweep.pixels(kAgreeing), false, bundle, job);
+  return bundle.observations.size();
+}
+
 // Without those that explain little with points in front of the cameras. Cost does not ask for that: where little
 // parallax shows, motion the other way round with the world inside out may cost less than the truth.
 std::vector<Start> right_side_out(const MatchedSweep& sweep, const std::vector<Track>& tracks,
                                   std::vector<Start> candidates, const Job& job) {
   std::vector<size_t> agreeing;
-  for (const Start& candidate : candidates) {
-    Bundle placed = candidate.bundle;
-    place_good(tracks, sweep.pixels(kAgreeing), false, placed, job);
-    agreeing.push_back(placed.observations.size());
-  }
+  for (const Start& candidate : candidates)
+    agreeing.push_back(agreeing_observations(sweep, tracks, candidate.bundle, job));
   const double least = kRightSide * static_cast<double>(*std::max_element(agreeing.begin(), agreeing.end()));
   std::vector<Start> kept;
   for (size_t i = 0; i < candidates.size(); ++i) {
@@ -135,15 +138,11 @@ std::vector<Start> right_side_out(const MatchedSweep& sweep, const std::vector<T
   return kept;
 }
 
-std::vector<Bundle> starts(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
-                           const std::optional<FocalPrior>& prior, const Job& job) {
-  const std::vector<Track> coarse = longest_tracks(tracks, sweep.frames(), kCoarsePerFrame);
+// The best of all turns: on the sphere first, the best few of them then near it.
+Bundle best_start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
+                  BundleOptions options, const Job& job) {
   std::vector<Start> candidates(turns.size());
-  BundleOptions options;
-  options.focal_prior = prior.value_or(anybodys_lens(sweep));
-  options.loss_px = sweep.pixels(kOffTheSphere);
   options.model = Model::spherical;
-  options.most_iterations = 30;
   Job alone = job;  // of each candidate
   alone.threads = 1;
   parallel_for(job, static_cast<int>(turns.size()), [&](int i) {
@@ -151,18 +150,30 @@ std::vector<Bundle> starts(const MatchedSweep& sweep, const std::vector<Track>& 
     Start& start = candidates[static_cast<size_t>(i)];
     start.bundle.lens.focal_px = one.focal_px;
     for (const Eigen::Matrix3d& r : one.world_from_camera) start.bundle.cameras.push_back({r, r.col(2)});
-    place_all(coarse, start.bundle);
+    place_all(tracks, start.bundle);
     adjust(start, options, alone);
   });
-  candidates = best_of(right_side_out(sweep, coarse, std::move(candidates), job), kFreed);
+  candidates = best_of(right_side_out(sweep, tracks, std::move(candidates), job), kFreed);
   options.model = Model::free;
-  options.arc_sigma = kNearTheSphere;
   parallel_for(job, static_cast<int>(candidates.size()),
                [&](int i) { adjust(candidates[static_cast<size_t>(i)], options, alone); });
-  candidates = best_of(right_side_out(sweep, coarse, std::move(candidates), job), kFreed);
-  std::vector<Bundle> bundles;
-  for (Start& candidate : candidates) bundles.push_back(std::move(candidate.bundle));
-  return bundles;
+  return std::move(best_of(right_side_out(sweep, tracks, std::move(candidates), job), 1).front().bundle);
+}
+
+Bundle start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
+             const std::optional<FocalPrior>& prior, const Job& job) {
+  const std::vector<Track> coarse = longest_tracks(tracks, sweep.frames(), kCoarsePerFrame);
+  BundleOptions options;
+  options.focal_prior = prior.value_or(anybodys_lens(sweep));
+  options.loss_px = sweep.pixels(kOffTheSphere);
+  options.arc_sigma = kNearTheSphere;
+  options.most_iterations = 30;
+  Bundle best = best_start(sweep, coarse, turns, options, job);
+  const size_t agreeing = agreeing_observations(sweep, coarse, best, job);
+  if (static_cast<double>(agreeing) > kRightSide * static_cast<double>(best.observations.size())) return best;
+  options.in_front = true;
+  Bundle other = best_start(sweep, coarse, turns, options, job);
+  return agreeing_observations(sweep, coarse, other, job) > agreeing ? other : best;
 }
 
 }  // namespace ldp

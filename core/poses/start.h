@@ -11,9 +11,9 @@
 
 namespace ldp {
 
-// Starts from these turns, best first; each adjusted with free centres on a few tracks. Gives at least one.
-std::vector<Bundle> starts(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
-                           const std::optional<FocalPrior>& prior, const Job& job);
+// The best of starts from these turns, each adjusted on a few tracks: on the sphere, then near it.
+Bundle start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
+             const std::optional<FocalPrior>& prior, const Job& job);
 
 // Every track becomes a point of the bundle, well or badly (at an arm's length or five where it cannot be
 // triangulated).
