@@ -33,6 +33,11 @@ constexpr double kCoarser = 1.1, kCoarsest = 2;  // steps of the panorama's pitc
 // Of message passing. The solver's default of 8, which stereo benchmarks need, takes a sixth longer on a sweep, where
 // energies fall by less than 0.01 % (front layer) to 0.3 % (third layer) and the views are as good.
 constexpr int kIterations = 4;
+// Parallax over one arc radius to which depths are known; behind the front, where fewer cameras see, to half of it.
+constexpr double kKnownPx = 2.5;
+// What lies less behind the surface in front of it is not kept: within the viewing space it shows by half as much, as a
+// rim that a renderer gets by letting the background go on underneath.
+constexpr double kSeparatePx = 10;
 constexpr int kSilhouettePx = 4;  // by so much the sweep's windows may widen a near surface, and the cut a little more
 
 // Adds the time since its making, or since the last lap, to a stage of the report.
@@ -249,7 +254,12 @@ class Build {
     panorama.grid = grid_;
     panorama.cameras = poses_.cameras;
     panorama.limits = viewing_limits();
-    for (const DisparityMap& layer : layers_) panorama.layers.push_back(coded(layer));
+    Plane<int16_t> farthest(grid_.width, grid_.height, kDisparitySteps);  // disparity at most that the next layer shows
+    for (size_t k = 0; k < layers_.size(); ++k) {
+      drop_inseparable(farthest, layers_[k], sources_[k]);
+      panorama.layers.push_back(coded(layers_[k], k == 0 ? kKnownPx : 2 * kKnownPx));
+      move_back(panorama.layers[k], farthest);
+    }
     fetch(panorama.layers);
     for (size_t k = 0; k < layers_.size(); ++k) {
       const auto present =
@@ -262,10 +272,33 @@ class Build {
     return result;
   }
 
-  Layer coded(const DisparityMap& disparity) const {
+  int steps_of_parallax(double px) const {
+    LayersOptions options;
+    options.gap_px = px;
+    return gap_steps(grid_, options);
+  }
+
+  static void drop_inseparable(const Plane<int16_t>& farthest, DisparityMap& layer, Plane<uint8_t>& source) {
+    for (size_t i = 0; i < layer.samples.size(); ++i)
+      if (layer.samples[i] != kNoDisparity && layer.samples[i] > farthest.samples[i])
+        layer.samples[i] = kNoDisparity, source.samples[i] = kNoSource;
+  }
+
+  // Surfaces less than two codes apart are one to a renderer.
+  void move_back(const Layer& layer, Plane<int16_t>& farthest) const {
+    const int separate = steps_of_parallax(kSeparatePx);
+    for (int y = 0; y < grid_.height; ++y)
+      for (int x = 0; x < grid_.width; ++x) {
+        if (!layer.coverage.at(x, y)) continue;
+        const BlockRange range = layer.depth.range(x, y);
+        const int apart = std::max(separate, 2 * (range.high - range.low));
+        farthest.at(x, y) = static_cast<int16_t>(layer.depth.disparity(x, y) - apart);
+      }
+  }
+
+  Layer coded(const DisparityMap& disparity, double known_px) const {
     Layer layer;
-    // Steps of depth no finer than the parallax that tells two layers apart.
-    layer.depth = encode_depth(disparity, options_.block_px, gap_steps(grid_, {}));
+    layer.depth = encode_depth(disparity, options_.block_px, steps_of_parallax(known_px));
     layer.coverage = Plane<uint8_t>(grid_.width, grid_.height, 0);
     for (size_t i = 0; i < disparity.samples.size(); ++i)
       layer.coverage.samples[i] = disparity.samples[i] != kNoDisparity;

@@ -14,6 +14,7 @@ namespace ldp {
 namespace {
 
 constexpr int kStripPx = 512;      // narrow enough to read parts, wide enough for models to learn
+constexpr int kLessBehind = 20;    // quality of the layers behind, of which views show slivers
 constexpr int kThumbnailPx = 480;  // longer side
 constexpr int kThumbnailQuality = 80;
 
@@ -99,6 +100,12 @@ struct StripJob {
   std::vector<uint8_t> depth, alpha, colour;
 };
 
+LdpEncodeOptions options_of_layer(LdpEncodeOptions options, size_t layer) {
+  if (layer > 0 && options.colour_quality <= 100)
+    options.colour_quality = std::max(1, options.colour_quality - kLessBehind);
+  return options;
+}
+
 void encode_strip(const LayeredPanorama& panorama, const LdpEncodeOptions& options, StripJob& job) {
   const Layer& layer = panorama.layers[job.layer];
   const int strip_px = strip_px_of(layer);
@@ -108,7 +115,7 @@ void encode_strip(const LayeredPanorama& panorama, const LdpEncodeOptions& optio
   check_blocks(strip, job.layer);
   job.depth = encode_depth_strip(strip);
   if (!layer.alpha.empty()) job.alpha = encode_alpha_strip(strip.coverage, cut_columns(layer.alpha, begin, end));
-  job.colour = encode_colour_strip(strip, cut_columns(layer.colour, begin, end), options);
+  job.colour = encode_colour_strip(strip, cut_columns(layer.colour, begin, end), options_of_layer(options, job.layer));
 }
 
 std::vector<uint8_t> write_layer_record(const Layer& layer) {

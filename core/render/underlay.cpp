@@ -7,7 +7,7 @@
 namespace ldp::render {
 namespace {
 
-constexpr int kReachPx = 4;
+constexpr int kReachPx = 5;
 
 struct Step {
   size_t to, from;

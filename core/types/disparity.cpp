@@ -1,62 +1,146 @@
 #include "disparity.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
 namespace ldp {
 namespace {
 
-struct Block {
-  int x0, y0, x1, y1;
+// The smallest and largest disparity of a block's present pixels.
+struct Extent {
+  int lowest = kDisparitySteps, highest = -1;
 };
 
-BlockRange range_of(const DisparityMap& disparity, const Block& block, int least_span) {
-  int lowest = kDisparitySteps, highest = 0;
-  for (int y = block.y0; y < block.y1; ++y)
-    for (int x = block.x0; x < block.x1; ++x) {
+Extent extent_of(const DisparityMap& disparity, int x0, int y0, int block_px) {
+  Extent extent;
+  for (int y = y0; y < std::min(disparity.height, y0 + block_px); ++y)
+    for (int x = x0; x < std::min(disparity.width, x0 + block_px); ++x) {
       const int d = disparity.at(x, y);
       if (d == kNoDisparity) continue;
-      lowest = std::min(lowest, d);
-      highest = std::max(highest, d);
+      extent.lowest = std::min(extent.lowest, d);
+      extent.highest = std::max(extent.highest, d);
     }
-  if (lowest > highest) return {0, 0};
-  const int span = std::max((highest + 14) / 15 - lowest / 15, least_span);
-  const int low = std::min(lowest / 15, 255 - span);
-  return {static_cast<uint8_t>(low), static_cast<uint8_t>(low + span)};
+  return extent;
 }
 
-void encode_block(const DisparityMap& disparity, const Block& block, BlockRange range, Plane<uint8_t>& codes) {
-  const int span = range.high - range.low;
-  for (int y = block.y0; y < block.y1; ++y)
-    for (int x = block.x0; x < block.x1; ++x) {
-      const int d = disparity.at(x, y);
-      if (d == kNoDisparity || span == 0) continue;
-      codes.at(x, y) = static_cast<uint8_t>(std::clamp((d - 15 * range.low + span / 2) / span, 0, 15));
+BlockRange range_from(int low, int span) { return {static_cast<uint8_t>(low), static_cast<uint8_t>(low + span)}; }
+
+BlockRange tightest_range(const Extent& extent) {
+  return range_from(extent.lowest / 15, (extent.highest + 14) / 15 - extent.lowest / 15);
+}
+
+int floor_div(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
+
+// The low end of a range that holds a block and whose codes are multiples of `span`; -1 where there is none.
+int low_on_grid(const Extent& extent, int span, int tolerance) {
+  const int error = allowed_error(span, tolerance);
+  const int first = (extent.lowest + error) / span;  // multiple that suffices for the lowest, and for the highest
+  const int last = (std::max(0, extent.highest - error) + span - 1) / span;
+  // 15 low is a multiple of the span when low is one of `unit`; each moves the codes by `shift`.
+  const int divisor = std::gcd(15, span), unit = span / divisor, shift = 15 / divisor;
+  const int least = std::max(0, floor_div(last - 15 + shift - 1, shift));
+  const int most = std::min(first / shift, (255 - span) / unit);
+  const int middle = floor_div(first + last - 15 + shift, 2 * shift);
+  return least > most ? -1 : unit * std::clamp(middle, least, most);
+}
+
+BlockRange range_within(const Extent& extent, int tolerance) {
+  const int single = std::min(255, ((extent.lowest + extent.highest) / 2 + 7) / 15);
+  if (std::max(15 * single - extent.lowest, extent.highest - 15 * single) <= tolerance) return range_from(single, 0);
+  const int step = (tolerance + 2) / 3 * 3;  // so that ranges on the grid are never farther apart than 5 codes
+  for (int span = step; span < 255; span += step)
+    if (const int low = low_on_grid(extent, span, tolerance); low >= 0) return range_from(low, span);
+  return {0, 255};
+}
+
+void choose_ranges(const DisparityMap& disparity, int tolerance, DepthCodes& depth) {
+  for (int by = 0; by < depth.ranges.height; ++by)
+    for (int bx = 0; bx < depth.ranges.width; ++bx) {
+      const Extent extent = extent_of(disparity, bx * depth.block_px, by * depth.block_px, depth.block_px);
+      depth.ranges.at(bx, by) = extent.highest < 0 ? BlockRange{0, 0}
+                                : tolerance == 0   ? tightest_range(extent)
+                                                   : range_within(extent, tolerance);
     }
 }
+
+void take_nearest(const DisparityMap& disparity, DepthCodes& depth) {
+  for (int y = 0; y < disparity.height; ++y)
+    for (int x = 0; x < disparity.width; ++x) {
+      const BlockRange range = depth.range(x, y);
+      const int d = disparity.at(x, y), span = range.high - range.low;
+      if (d == kNoDisparity || span == 0) continue;
+      depth.codes.at(x, y) = static_cast<uint8_t>(std::clamp((d - 15 * range.low + span / 2) / span, 0, 15));
+    }
+}
+
+// Moves codes to those of most of their neighbours.
+class Voting {
+ public:
+  Voting(const DisparityMap& disparity, int tolerance, DepthCodes& depth)
+      : wanted_(disparity),
+        tolerance_(tolerance),
+        depth_(depth),
+        now_(disparity.width + 2, disparity.height + 2, kNoDisparity) {
+    for (int y = 0; y < disparity.height; ++y)
+      for (int x = 0; x < disparity.width; ++x)
+        if (disparity.at(x, y) != kNoDisparity) now_.at(x + 1, y + 1) = depth.disparity(x, y);
+  }
+
+  void run() {
+    const int width = wanted_.width, size = width * wanted_.height;
+    for (int i = 0; i < size; ++i) vote(i % width, i / width);
+    for (int i = size; i-- > 0;) vote(i % width, i / width);
+  }
+
+ private:
+  void vote(int x, int y) {
+    uint16_t* own = now_.row(y + 1) + x + 1;
+    if (*own == kNoDisparity) return;
+    const int row = now_.width;
+    const std::array<uint16_t, 8> beside = {own[-1],       own[1],        own[-row],    own[row],
+                                            own[-row - 1], own[-row + 1], own[row - 1], own[row + 1]};
+    if (std::all_of(beside.begin(), beside.end(), [&](uint16_t d) { return d == *own; })) return;
+    const BlockRange range = depth_.range(x, y);
+    const int span = range.high - range.low;
+    if (span == 0) return;
+    std::array<int, kLabels> votes{};
+    for (size_t k = 0; k < beside.size(); ++k) {
+      const int above = beside[k] - 15 * range.low + span / 2;
+      if (above >= 0 && above / span < kLabels) votes[static_cast<size_t>(above / span)] += k < 4 ? 3 : 2;
+    }
+    uint8_t& code = depth_.codes.at(x, y);
+    for (int c = 0; c < kLabels; ++c) {
+      const int error = std::abs(15 * range.low + span * c - wanted_.at(x, y));
+      if (votes[static_cast<size_t>(c)] > votes[code] && error <= allowed_error(span, tolerance_))
+        code = static_cast<uint8_t>(c);
+    }
+    *own = depth_.disparity(x, y);
+  }
+
+  const DisparityMap& wanted_;
+  int tolerance_;
+  DepthCodes& depth_;
+  DisparityMap now_;  // what the codes mean, with a border of absent pixels
+};
 
 }  // namespace
 
-DepthCodes encode_depth(const DisparityMap& disparity, int block_px, int least_span) {
+DepthCodes encode_depth(const DisparityMap& disparity, int block_px, int tolerance) {
   if (block_px < 0) throw std::logic_error("encode_depth: block_px is " + std::to_string(block_px) + ", must be >= 0");
-  if (least_span < 0 || least_span > 255)
-    throw std::logic_error("encode_depth: least_span is " + std::to_string(least_span) + ", must be 0 to 255");
-  DepthCodes depth;
-  depth.block_px = block_px;
-  depth.codes = Plane<uint8_t>(disparity.width, disparity.height);
-  const int step_x = block_px == 0 ? std::max(1, disparity.width) : block_px;
-  const int step_y = block_px == 0 ? std::max(1, disparity.height) : block_px;
-  depth.ranges = block_px == 0 ? Plane<BlockRange>(1, 1)
-                               : Plane<BlockRange>((disparity.width + step_x - 1) / step_x,
-                                                   (disparity.height + step_y - 1) / step_y);
-  for (int by = 0; by < depth.ranges.height; ++by)
-    for (int bx = 0; bx < depth.ranges.width; ++bx) {
-      const Block block{bx * step_x, by * step_y, std::min((bx + 1) * step_x, disparity.width),
-                        std::min((by + 1) * step_y, disparity.height)};
-      if (block_px != 0) depth.ranges.at(bx, by) = range_of(disparity, block, least_span);
-      encode_block(disparity, block, depth.ranges.at(bx, by), depth.codes);
-    }
+  if (tolerance < 0 || tolerance > 255)
+    throw std::logic_error("encode_depth: tolerance is " + std::to_string(tolerance) + ", must be 0 to 255");
+  const auto blocks = [&](int pixels) { return (pixels + block_px - 1) / block_px; };
+  DepthCodes depth{
+      block_px,
+      block_px == 0 ? Plane<BlockRange>(1, 1) : Plane<BlockRange>(blocks(disparity.width), blocks(disparity.height)),
+      Plane<uint8_t>(disparity.width, disparity.height)};
+  if (block_px != 0) choose_ranges(disparity, tolerance, depth);
+  take_nearest(disparity, depth);
+  if (tolerance > 0) Voting(disparity, tolerance, depth).run();
   return depth;
 }
 

@@ -31,18 +31,29 @@ struct DepthCodes {
   Plane<BlockRange> ranges;
   Plane<uint8_t> codes;  // 0 .. 15, one per pixel
 
+  BlockRange range(int x, int y) const {
+    return block_px == 0 ? ranges.samples[0] : ranges.at(x / block_px, y / block_px);
+  }
   uint16_t disparity(int x, int y) const {
-    const BlockRange range = block_px == 0 ? ranges.samples[0] : ranges.at(x / block_px, y / block_px);
+    const BlockRange range = this->range(x, y);
     return static_cast<uint16_t>(15 * range.low + (range.high - range.low) * codes.at(x, y));
   }
   friend bool operator==(const DepthCodes&, const DepthCodes&) = default;
 };
 
-// The codes nearest to a disparity map. Ranges are the tightest 8-bit ranges that hold their block's present pixels
-// (block_px = 0: always (0, 255), the uniform codes of the paper), but at least `least_span` wide: codes are steps of
-// (high - low) disparities, and steps finer than the depths are true are noise that costs bytes. Blocks without a
-// present pixel get (0, 0).
-DepthCodes encode_depth(const DisparityMap& disparity, int block_px, int least_span = 0);
+// The codes of a disparity map; block_px = 0: against (0, 255), the uniform codes of the paper. Blocks without a
+// present pixel have the range (0, 0).
+//
+// tolerance = 0: the nearest codes; ranges are the tightest that hold their block's present pixels.
+// tolerance > 0: codes that take few bytes, for disparities known to so many steps only (finer steps are noise, and
+// cost). Code steps are multiples of the tolerance on one grid for all blocks, so that a surface keeps its disparities
+// from block to block, and among the codes allowed a pixel takes the one of most of its neighbours.
+DepthCodes encode_depth(const DisparityMap& disparity, int block_px, int tolerance = 0);
+
+// How far a code may be from its pixel's disparity in a range of codes `span` = high - low disparities apart.
+constexpr int allowed_error(int span, int tolerance) {
+  return span <= tolerance ? tolerance : (span + tolerance + 1) / 2;
+}
 
 // The disparity map of codes; pixels with coverage 0 become kNoDisparity.
 DisparityMap decode_depth(const DepthCodes& depth, const Plane<uint8_t>& coverage);

@@ -51,7 +51,7 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
   command.add_option("--near", build.near_depth, "Nearest depth, in the capture's unit; 0 = from the photos")
       ->check(CLI::Range(0.0, 1e9));
   command.add_option("--far", build.far_depth, "Farthest depth; 0 = from the photos")->check(CLI::Range(0.0, 1e9));
-  command.add_option("--quality", setup.colour_quality, "Of colour, 1 to 100; 101 = lossless")
+  command.add_option("--quality", setup.colour_quality, "Of colour, 1 to 100, layers behind 20 less; 101 = lossless")
       ->check(CLI::Range(1, 101))
       ->capture_default_str();
   command

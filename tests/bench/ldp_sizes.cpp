@@ -7,6 +7,7 @@
 #include <ctime>
 #include <exception>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,10 +30,12 @@ double seconds(const std::function<void()>& action) {
   return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
 }
 
-double bytes_of(const Bytes& file, const char* type) {
+constexpr int kAllLayers = -1;
+
+double bytes_of(std::span<const uint8_t> file, const char* type, int layer = kAllLayers) {
   double sum = 0;
   for (const LdpChunk& chunk : describe_ldp(file).chunks)
-    if (chunk.type == type) sum += static_cast<double>(chunk.length);
+    if (chunk.type == type && (layer == kAllLayers || chunk.layer == layer)) sum += static_cast<double>(chunk.length);
   return sum;
 }
 
@@ -107,10 +110,8 @@ void print_depth(LayeredPanorama panorama, int block_px) {
     double best = 1e9;
     for (int i = 0; i < 5; ++i)
       best = std::min(best, seconds([&] { reader.read_layer(static_cast<int>(l), {0, panorama.grid.width}, false); }));
-    double bytes = 0;
-    for (const LdpChunk& chunk : reader.description().chunks)
-      if (chunk.type == "DPTH" && chunk.layer == static_cast<int>(l)) bytes += static_cast<double>(chunk.length);
-    std::printf("  layer %zu: %.4f bit, decoded at %.0f Mpixel/s\n", l + 1, bytes * 8 / pixels, pixels / best / 1e6);
+    std::printf("  layer %zu: %.4f bit, decoded at %.0f Mpixel/s\n", l + 1,
+                bytes_of(file, "DPTH", static_cast<int>(l)) * 8 / pixels, pixels / best / 1e6);
     whole += best;
   }
   std::printf("  all: decoded at %.0f Mpixel/s\n", pixels * static_cast<double>(panorama.layers.size()) / whole / 1e6);
@@ -149,13 +150,15 @@ void print_colour(const LayeredPanorama& panorama, LdpCodec codec, int quality) 
            : quality == 101 ? encode_webp_lossless(image)
                             : encode_webp(image, quality);
   });
+  // Whichever is smaller: the image as it is, black where the layer is absent, or as the file continues it there.
+  const double alone = std::min(static_cast<double>(flat.size()), bytes_of(file, "COLR", 0));
   const auto psnr = [](double e, double n) { return e == 0 ? 99.0 : 10 * std::log10(255 * 255 * n / e); };
   std::printf(
-      "%s %3d: file %8zu  colour %8.0f  layer 1 alone %8zu (%.2f s)  ratio %.3f  %.2f dB (layer 1 %.2f)  encode %.2f s "
+      "%s %3d: file %8zu  colour %8.0f  layer 1 alone %8.0f (%.2f s)  ratio %.3f  %.2f dB (layer 1 %.2f)  encode %.2f "
+      "s "
       "decode %.2f s\n",
-      jpeg ? "JPEG" : "WebP", quality, file.size(), bytes_of(file, "COLR"), flat.size(), flat_encoding,
-      static_cast<double>(file.size()) / static_cast<double>(flat.size()), psnr(error, count), psnr(front, front_count),
-      encoding, decoding);
+      jpeg ? "JPEG" : "WebP", quality, file.size(), bytes_of(file, "COLR"), alone, flat_encoding,
+      static_cast<double>(file.size()) / alone, psnr(error, count), psnr(front, front_count), encoding, decoding);
 }
 
 void print_all(const char* name) {
@@ -165,12 +168,15 @@ void print_all(const char* name) {
   const auto pixels = static_cast<double>(panorama.layers[0].coverage.samples.size());
   std::printf("%s: %d x %d, %zu layers, described in %.2f ms\n", name, panorama.grid.width, panorama.grid.height,
               panorama.layers.size(), 1e3 * describing);
-  for (const Layer& layer : panorama.layers)
-    std::printf(
-        "  coverage %.4f\n",
-        static_cast<double>(std::count(layer.coverage.samples.begin(), layer.coverage.samples.end(), 1)) / pixels);
+  for (size_t l = 0; l < panorama.layers.size(); ++l) {
+    const auto& coverage = panorama.layers[l].coverage.samples;
+    std::printf("  layer %zu: coverage %.4f, as stored %.4f bit of depth and coverage per panorama pixel\n", l + 1,
+                static_cast<double>(std::count(coverage.begin(), coverage.end(), 1)) / pixels,
+                bytes_of(mapped.bytes(), "DPTH", static_cast<int>(l)) * 8 / pixels);
+  }
+  std::printf("  all: as stored %.4f bit\n", bytes_of(mapped.bytes(), "DPTH") * 8 / pixels);
   for (const int block_px : {0, 8, 16, 32}) print_depth(panorama, block_px);
-  for (const int quality : {75, 85, 90, 93, 95, 96, 97})
+  for (const int quality : {75, 85, 90, 93, 94, 95, 96, 97})
     for (const LdpCodec codec : {LdpCodec::jpeg, LdpCodec::webp}) print_colour(panorama, codec, quality);
   print_colour(panorama, LdpCodec::webp, 101);
 }

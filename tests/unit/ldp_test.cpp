@@ -132,7 +132,7 @@ TEST(LdpFile, LossyColourIsCloseAndDepthStaysExact) {
         sum += std::pow(back.layers[l].colour.samples[i].g - panorama.layers[l].colour.samples[i].g, 2);
         ++count;
       }
-      EXPECT_LT(std::sqrt(sum / count), 4) << static_cast<int>(codec) << " layer " << l;
+      EXPECT_LT(std::sqrt(sum / count), l == 0 ? 4 : 6) << static_cast<int>(codec) << " layer " << l;
     }
   }
 }
@@ -170,6 +170,18 @@ double colour_bytes(const std::vector<uint8_t>& file, int layer) {
   return 0;
 }
 
+TEST(LdpFile, LossyColourBehindTheFrontTakesLessRoom) {
+  LayeredPanorama panorama = synthetic_panorama({300, 100, 16, 1, false, Rays::pushbroom, false});
+  panorama.layers.push_back(panorama.layers[0]);
+  for (const LdpCodec codec : {LdpCodec::jpeg, LdpCodec::webp}) {
+    const std::vector<uint8_t> lossy = encode_ldp(panorama, {90, codec}), coarse = encode_ldp(panorama, {10, codec});
+    EXPECT_LT(colour_bytes(lossy, 1), 0.8 * colour_bytes(lossy, 0));
+    EXPECT_LE(colour_bytes(coarse, 1), colour_bytes(coarse, 0)) << "and there is a least quality";
+  }
+  const std::vector<uint8_t> exact = encode_ldp(panorama, kLossless);
+  EXPECT_EQ(colour_bytes(exact, 1), colour_bytes(exact, 0));
+}
+
 TEST(GatheredColours, TheCurveGoesThroughEveryPixelStepByStep) {
   std::vector<int> seen(kTilePixels);
   for (size_t i = 0; i < kTileCurve.size(); ++i) {
@@ -186,7 +198,7 @@ TEST(GatheredColours, ScatteredPixelsTakeLessRoomAndAreAsExact) {
   const std::vector<uint8_t> plain = encode_ldp(panorama, {90, LdpCodec::webp});
   EXPECT_EQ(describe_ldp(file).version, 2);
   EXPECT_EQ(describe_ldp(plain).version, 1);
-  EXPECT_LT(colour_bytes(file, 1), 0.8 * colour_bytes(plain, 1));
+  EXPECT_LT(colour_bytes(file, 1), 0.95 * colour_bytes(plain, 1));
   EXPECT_EQ(colour_bytes(file, 0), colour_bytes(plain, 0)) << "a dense layer stays as it is";
   EXPECT_LE(colour_error(decode_ldp(file).layers[1], panorama.layers[1]),
             17.0 / 16 * colour_error(decode_ldp(plain).layers[1], panorama.layers[1]));

@@ -242,7 +242,7 @@ TEST(Render, a_step_aside_opens_no_cracks_and_a_longer_one_shows_a_hole) {
   for (const auto& [wraps, theta] : {std::pair(false, 0.0), {true, 0.0}, {true, 1.3}, {true, 1.5}}) {
     EXPECT_EQ(holes_beside_square(4, wraps, theta), 0) << wraps << " " << theta;
     const int hole_px = holes_beside_square(15, wraps, theta);  // the square is 40 pixels high
-    EXPECT_GT(hole_px, 40 * (15 - 7)) << wraps << " " << theta;
+    EXPECT_GT(hole_px, 40 * (15 - 8)) << wraps << " " << theta;
     EXPECT_LT(hole_px, 40 * (15 - 4)) << wraps << " " << theta;
   }
 }

@@ -95,17 +95,79 @@ TEST(Disparity, EncodingADecodedMapAgainChangesNothing) {
   EXPECT_EQ(decode_depth(encode_depth(once, 16), all), once);
 }
 
-TEST(Disparity, RangesAreAsWideAsAskedAndStillHoldTheirBlock) {
-  DisparityMap map(16, 8, 3800);
-  for (int y = 0; y < 8; ++y)
-    for (int x = 0; x < 8; ++x) map.at(x, y) = static_cast<uint16_t>(1000 + 7 * x + y);
-  const Plane<uint8_t> all(16, 8, 1);
-  const DepthCodes depth = encode_depth(map, 8, 18);
-  const DisparityMap back = decode_depth(depth, all);
-  for (int bx = 0; bx < 2; ++bx) EXPECT_EQ(depth.ranges.at(bx, 0).high - depth.ranges.at(bx, 0).low, 18);
-  for (size_t i = 0; i < map.samples.size(); ++i) EXPECT_NEAR(back.samples[i], map.samples[i], 9);
-  EXPECT_EQ(encode_depth(map, 8, 255).ranges.at(0, 0), (BlockRange{0, 255}));
-  EXPECT_THROW(encode_depth(map, 8, 256), std::logic_error);
+// A slanted plane with a step, an absent corner, and noise of +-`noise`.
+DisparityMap noisy_surfaces(unsigned noise) {
+  std::mt19937 random(11);
+  DisparityMap map(75, 52);
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x) {
+      const int d = (x < 33 ? 700 : 1900) + 2 * x + 3 * y + static_cast<int>(random() % (2 * noise + 1)) -
+                    static_cast<int>(noise);
+      map.at(x, y) = static_cast<uint16_t>(x + y < 20 ? int{kNoDisparity} : d);
+    }
+  return map;
+}
+
+TEST(Disparity, WithinAToleranceNoCodeIsFartherFromItsPixelThanAllowed) {
+  for (const int block_px : {0, 5, 16})
+    for (const int tolerance : {1, 7, 24, 100, 255}) {
+      const DisparityMap map = noisy_surfaces(20);
+      const DepthCodes depth = encode_depth(map, block_px, tolerance);
+      for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+          const BlockRange range = depth.range(x, y);
+          if (map.at(x, y) == kNoDisparity)
+            EXPECT_EQ(depth.codes.at(x, y), 0);
+          else
+            EXPECT_LE(std::abs(depth.disparity(x, y) - map.at(x, y)), allowed_error(range.high - range.low, tolerance))
+                << x << ' ' << y << " block " << block_px << " tolerance " << tolerance;
+        }
+    }
+  EXPECT_THROW(encode_depth(noisy_surfaces(1), 8, 256), std::logic_error);
+  EXPECT_THROW(encode_depth(noisy_surfaces(1), 8, -1), std::logic_error);
+}
+
+TEST(Disparity, WithinAToleranceBlocksShareTheGridOfTheirSteps) {
+  const DepthCodes depth = encode_depth(noisy_surfaces(20), 16, 24);
+  int steps = 0;
+  for (const BlockRange& range : depth.ranges.samples) {
+    const int span = range.high - range.low;
+    if (span == 0 || span == 255) continue;
+    EXPECT_EQ(span % 24, 0);
+    EXPECT_EQ(15 * range.low % span, 0);
+    ++steps;
+  }
+  EXPECT_GT(steps, 10);
+}
+
+int changes_along_rows(const DepthCodes& depth) {
+  int count = 0;
+  for (int y = 0; y < depth.codes.height; ++y)
+    for (int x = 1; x < depth.codes.width; ++x) count += depth.disparity(x, y) != depth.disparity(x - 1, y);
+  return count;
+}
+
+TEST(Disparity, WithinAToleranceNoiseLeavesSurfacesWholeAndSilhouettesInPlace) {
+  DisparityMap map(64, 64);
+  std::mt19937 random(5);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) map.at(x, y) = static_cast<uint16_t>((x < 29 ? 1190 : 1700) + random() % 21);
+  const DepthCodes depth = encode_depth(map, 16, 12);
+  for (int y = 0; y < 64; ++y) {
+    EXPECT_GT(depth.disparity(29, y), depth.disparity(28, y) + 400);
+    EXPECT_EQ(depth.disparity(10, y), 1200);
+    EXPECT_EQ(depth.disparity(50, y), 1710);
+  }
+  EXPECT_LT(changes_along_rows(depth), 64 * 4);
+  EXPECT_GT(changes_along_rows(encode_depth(map, 16)), 64 * 50);
+}
+
+TEST(Disparity, WithinAToleranceCodesOnTheBrinkFollowTheirNeighbours) {
+  DisparityMap map(48, 48);
+  std::mt19937 random(3);
+  for (uint16_t& d : map.samples) d = static_cast<uint16_t>(255 * 7 + 118 + random() % 16);
+  EXPECT_GT(changes_along_rows(encode_depth(map, 0)), 900);
+  EXPECT_LT(changes_along_rows(encode_depth(map, 0, 40)), 100);
 }
 
 TEST(ParallelFor, VisitsEveryItemOnceAndRethrowsTheFirstFailure) {
