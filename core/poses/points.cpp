@@ -11,7 +11,9 @@
 namespace ldp {
 namespace {
 
-constexpr double kSamePlace_px = 2;  // two features of a frame that near are one thing with two orientations or scales
+constexpr double kLeastDepth = 2e-3;  // of a point before a camera, as a share of its distance from the origin: nearer,
+                                      // it is in the camera
+constexpr double kSamePlace_px = 2;   // two features of a frame that near are one thing with two orientations or scales
 
 // Union-find over all features of all frames; every set keeps its members so that conflicts are seen before joining.
 class Sets {
@@ -156,7 +158,7 @@ std::vector<Track> build_tracks(const std::vector<Features>& features, const std
 
 double sighting_error(const InversePoint& point, const Sighting& sighting) {
   const Eigen::Vector3d q = sighting.camera_from_world * point.seen_from(sighting.centre);
-  if (q.z() <= 1e-9) return std::numeric_limits<double>::infinity();
+  if (q.z() < kLeastDepth) return std::numeric_limits<double>::infinity();
   return (q.head<2>() / q.z() - sighting.position).norm();
 }
 

@@ -214,6 +214,12 @@ TEST(TriangulatePoint, LeavesOutTheSightingThatDisagrees) {
   EXPECT_NEAR(point->inverse_distance, 0.5, 1e-9);
 }
 
+TEST(SightingError, IsInfiniteForAPointInTheCamera) {
+  const Sighting sighting{Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, 1), Eigen::Vector2d::Zero()};
+  EXPECT_NEAR(sighting_error({Eigen::Vector3d::UnitZ(), 0.9}, sighting), 0, 1e-12);
+  EXPECT_TRUE(std::isinf(sighting_error({Eigen::Vector3d::UnitZ(), 0.999}, sighting)));
+}
+
 std::vector<RayPair> spherical_pairs(const Eigen::Matrix3d& b_from_a, double nearest_w, double farthest_w) {
   std::mt19937 random(4);
   std::vector<RayPair> pairs;
