@@ -29,7 +29,7 @@ void check(const BuildOptions& options) {
   require(options.block_px >= 0, "block_px", options.block_px, "0 or more");
 }
 
-constexpr double kCoarser = 1.1, kCoarsest = 2;  // steps of the panorama's pitch, and its limit, to save memory
+constexpr double kCoarser = 1.05, kCoarsest = 3;  // steps of the panorama's pitch, and its limit, to save memory
 // Of message passing. The solver's default of 8, which stereo benchmarks need, takes a sixth longer on a sweep, where
 // energies fall by less than 0.01 % (front layer) to 0.3 % (third layer) and the views are as good.
 constexpr int kIterations = 4;
@@ -94,24 +94,23 @@ class Build {
     grid.near_depth = options_.near_depth;
     grid.far_depth = options_.far_depth;
     watch_.lap("arc");
-    upright_ = rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc, job_);
-    watch_.lap("rectify");
-    grid_ = finest_grid_in_memory(grid);
+    const double pitch_px = lay_finest_grid(grid);
     watch_.lap("arc");
+    upright_ = rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc, pitch_px, job_);
+    watch_.lap("rectify");
   }
 
-  PanoramaGrid finest_grid_in_memory(GridOptions options) {
-    size_t upright_px = 0;
-    for (const UprightFrame& frame : upright_) upright_px += frame.columns.samples.size();
+  // Lays the finest grid that fits the memory allowed, and gives its pitch.
+  double lay_finest_grid(GridOptions options) {
     for (;; options.pitch_px *= kCoarser) {
-      PanoramaGrid grid = lay_grid(report_.arc.arc, poses_.cameras, poses_.points, options);
-      const size_t panorama_px = static_cast<size_t>(grid.width) * static_cast<size_t>(grid.height);
-      const size_t needed = expected_peak_bytes(panorama_px, upright_px, options_.layers);
+      grid_ = lay_grid(report_.arc.arc, poses_.cameras, poses_.points, options);
+      const size_t needed = expected_peak_bytes(
+          grid_, upright_pixels(poses_.cameras, report_.arc.arc, options.pitch_px), options_.layers);
       if (options_.memory_bytes == 0 || needed <= options_.memory_bytes) {
         if (options.pitch_px > 1)
           report_.notes.push_back("to fit the memory allowed, a pixel of the panorama spans " +
                                   std::to_string(options.pitch_px).substr(0, 4) + " of the photos'");
-        return grid;
+        return options.pitch_px;
       }
       if (options.pitch_px > kCoarsest)
         throw Impossible("this sweep needs at least " + mebibytes(needed) + " of memory, " +
@@ -132,30 +131,31 @@ class Build {
   // iteration before it found (paper 3.3.4).
   void find_layers(int iteration) {
     std::vector<DisparityMap> found;
-    const std::vector<VisibilityMap> hiding = iteration > 1 ? sure_visibility() : std::vector<VisibilityMap>();
-    visibility_.clear();
-    const int layers = iteration < options_.iterations ? 1 : options_.layers;
-    for (int index = 0; index < layers; ++index) {
+    const bool last = iteration == options_.iterations;
+    for (int index = 0; index < (last ? options_.layers : 1); ++index) {
       const std::string name = "layer " + std::to_string(index + 1) + " iteration " + std::to_string(iteration);
       job_.report(name, 0);
-      DisparityMap layer = index == 0 ? front_layer(hiding, name) : layer_behind(found, name);
+      DisparityMap layer = index == 0 ? front_layer(name) : layer_behind(found, name);
       if (layer.empty()) break;
       pictures_.disparity(name, layer);
-      add_layer(grid_, layer, upright_, {}, job_, visibility_);
+      if (last) add_layer(grid_, layer, upright_, {}, job_, visibility_);
       watch_.lap("visibility");
       found.push_back(std::move(layer));
     }
     layers_ = std::move(found);
   }
 
+  // What the front layer of the iteration before surely hides.
   std::vector<VisibilityMap> sure_visibility() {
     std::vector<VisibilityMap> maps;
+    if (layers_.empty()) return maps;
     add_layer(grid_, without_silhouettes(layers_[0], kSilhouettePx), upright_, {}, job_, maps);
     watch_.lap("visibility");
     return maps;
   }
 
-  DisparityMap front_layer(const std::vector<VisibilityMap>& hiding, const std::string& name) {
+  DisparityMap front_layer(const std::string& name) {
+    const std::vector<VisibilityMap> hiding = sure_visibility();
     const Sweep sweep(upright_, grid_, hiding, DisparityMap(), sweep_options());
     const Plane<uint8_t> labels = solve(sweep, Plane<uint8_t>(), name);
     DisparityMap disparity = refine(sweep, labels, {}, job_);

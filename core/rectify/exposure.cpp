@@ -9,13 +9,13 @@
 namespace ldp {
 namespace {
 
-constexpr int kBlocksAcross = 64;           // blocks along the longer side of a photo
-constexpr int kLowest = 16, kHighest = 240; // channel values between which a pixel is trusted
-constexpr size_t kLeastSamples = 12;        // of a link
-constexpr double kDriftSigma = 0.1;         // prior: log gain of neighbouring photos differs by so much
-constexpr double kLeastLinkSigma = 0.003;   // a link is never trusted more than this
+constexpr int kBlocksAcross = 64;            // blocks along the longer side of a photo
+constexpr int kLowest = 16, kHighest = 240;  // channel values between which a pixel is trusted
+constexpr size_t kLeastSamples = 12;         // of a link
+constexpr double kDriftSigma = 0.1;          // prior: log gain of neighbouring photos differs by so much
+constexpr double kLeastLinkSigma = 0.003;    // a link is never trusted more than this
 constexpr double kLargestGain = 4;
-constexpr int kSweeps = 400, kRounds = 5;   // Gauss-Seidel sweeps in each round of re-weighting
+constexpr int kSweeps = 400, kRounds = 5;  // Gauss-Seidel sweeps in each round of re-weighting
 
 struct Link {
   int a = 0, b = 0;
@@ -31,7 +31,8 @@ struct Reading {
 std::optional<Reading> read_colour(const Thumbnail& thumbnail, const Eigen::Vector2d& position_px) {
   const double x = position_px.x() / thumbnail.block_px - 0.5, y = position_px.y() / thumbnail.block_px - 0.5;
   const double x_floor = std::floor(x), y_floor = std::floor(y);
-  if (!(x_floor >= 0 && y_floor >= 0 && x_floor + 1 < thumbnail.mean.width && y_floor + 1 < thumbnail.mean.height)) return {};
+  if (!(x_floor >= 0 && y_floor >= 0 && x_floor + 1 < thumbnail.mean.width && y_floor + 1 < thumbnail.mean.height))
+    return {};
   const int x0 = static_cast<int>(x_floor), y0 = static_cast<int>(y_floor);
   const double fx = x - x_floor, fy = y - y_floor;
   Reading reading;
@@ -39,7 +40,8 @@ std::optional<Reading> read_colour(const Thumbnail& thumbnail, const Eigen::Vect
     for (int i = 0; i < 2; ++i) {
       if (!thumbnail.usable.at(x0 + i, y0 + j)) return {};
       const double weight = (i ? fx : 1 - fx) * (j ? fy : 1 - fy);
-      for (size_t c = 0; c < 3; ++c) reading.log_value[c] += weight * static_cast<double>(thumbnail.mean.at(x0 + i, y0 + j)[c]);
+      for (size_t c = 0; c < 3; ++c)
+        reading.log_value[c] += weight * static_cast<double>(thumbnail.mean.at(x0 + i, y0 + j)[c]);
     }
   }
   for (double& value : reading.log_value) value = exact_log(value);
@@ -56,12 +58,15 @@ std::optional<Reading> read_at(const Camera& camera, const Thumbnail& thumbnail,
 class Comparison {
  public:
   Comparison(const std::vector<Camera>& cameras, const std::vector<Thumbnail>& thumbnails, int a, int b)
-      : camera_a_(cameras[static_cast<size_t>(a)]), camera_b_(cameras[static_cast<size_t>(b)]),
-        thumbnail_a_(thumbnails[static_cast<size_t>(a)]), thumbnail_b_(thumbnails[static_cast<size_t>(b)]) {}
+      : camera_a_(cameras[static_cast<size_t>(a)]),
+        camera_b_(cameras[static_cast<size_t>(b)]),
+        thumbnail_a_(thumbnails[static_cast<size_t>(a)]),
+        thumbnail_b_(thumbnails[static_cast<size_t>(b)]) {}
 
   void add_points(const std::vector<const ScenePoint*>& points) {
     for (const ScenePoint* point : points) {
-      add(read_at(camera_a_, thumbnail_a_, point->position - camera_a_.pose.centre), point->position - camera_b_.pose.centre);
+      add(read_at(camera_a_, thumbnail_a_, point->position - camera_a_.pose.centre),
+          point->position - camera_b_.pose.centre);
     }
   }
 
@@ -70,7 +75,8 @@ class Comparison {
     for (int y = 1; y + 1 < thumbnail_a_.mean.height; ++y) {
       for (int x = 1; x + 1 < thumbnail_a_.mean.width; ++x) {
         const Eigen::Vector2d centre((x + 0.5) * block, (y + 0.5) * block);
-        const Eigen::Vector3d ray = exact_product(camera_a_.pose.world_from_camera, unproject(camera_a_.intrinsics, centre));
+        const Eigen::Vector3d ray =
+            exact_product(camera_a_.pose.world_from_camera, unproject(camera_a_.intrinsics, centre));
         add(read_colour(thumbnail_a_, centre), ray);
       }
     }
@@ -184,7 +190,8 @@ Thumbnail make_thumbnail(const RgbImage& photo) {
       }
       thumbnail.usable.at(bx, by) = 8 * clipped <= block * block;
       for (size_t c = 0; c < 3; ++c) {
-        thumbnail.mean.at(bx, by)[c] = static_cast<float>(static_cast<double>(std::max<int64_t>(sum[c], 1)) / (block * block));
+        thumbnail.mean.at(bx, by)[c] =
+            static_cast<float>(static_cast<double>(std::max<int64_t>(sum[c], 1)) / (block * block));
       }
     }
   }

@@ -1,6 +1,7 @@
 #include "rectify.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <mutex>
 #include <stdexcept>
@@ -61,13 +62,6 @@ Plane<uint16_t> red_minus_green(const RgbImage& photo, const Gain& gain) {
   return tint;
 }
 
-Plane<uint16_t> channel(const RgbImage& photo, uint8_t Rgb::*member, float gain) {
-  const GainTable table = gain_table(gain, 1);
-  Plane<uint16_t> plane(photo.width, photo.height);
-  for (size_t i = 0; i < photo.samples.size(); ++i) plane.samples[i] = table[photo.samples[i].*member];
-  return plane;
-}
-
 struct Planes {
   Plane<uint16_t> grey, tint;
 };
@@ -76,34 +70,71 @@ Planes make_planes(const RgbImage& photo, const Gain& gain, const Job& job) {
   return {flatten(weighted_grey(photo, gain), job), flatten(red_minus_green(photo, gain), job)};
 }
 
-// Resamples one column and finds its longest run of rows inside the photo.
-void fill_column(const Planes& planes, const ColumnMap& map, int column, UprightFrame& frame) {
-  int begin = 0, best_begin = 0, best_end = 0;
-  for (int y = 0; y < frame.camera.height; ++y) {
-    const SourcePosition position = map.at(y);
-    frame.columns.at(y, column) = interpolate(planes.grey, position);
-    frame.tint.at(y, column) = interpolate(planes.tint, position);
-    if (!position.inside) begin = y + 1;
-    if (y + 1 - begin > best_end - best_begin) {
-      best_begin = begin;
-      best_end = y + 1;
-    }
-  }
-  frame.valid_begin[static_cast<size_t>(column)] = static_cast<int16_t>(best_begin);
-  frame.valid_end[static_cast<size_t>(column)] = static_cast<int16_t>(best_end);
-}
+// The samples of an upright frame. Where its pixels are larger than the photograph's, several places spread over each
+// are averaged.
+class Resampler {
+ public:
+  Resampler(const Planes& planes, const Camera& camera, double pitch_px, UprightFrame& frame)
+      : planes_(planes),
+        camera_(camera),
+        taps_(std::clamp(static_cast<int>(std::lround(pitch_px)), 1, kMostTaps)),
+        frame_(frame) {}
 
-UprightFrame make_upright(const Planes& planes, const Camera& camera, const UprightCamera& upright, const Gain& gain,
+  // Fills one column and finds its longest run of rows inside the photo.
+  void fill(int column) const {
+    std::vector<ColumnMap> maps;
+    for (int i = 0; i < taps_; ++i) maps.emplace_back(camera_, frame_.camera, column + from_middle(i));
+    int begin = 0, best_begin = 0, best_end = 0;
+    for (int y = 0; y < frame_.camera.height; ++y) {
+      if (!fill(maps, y, column)) begin = y + 1;
+      if (y + 1 - begin > best_end - best_begin) {
+        best_begin = begin;
+        best_end = y + 1;
+      }
+    }
+    frame_.valid_begin[static_cast<size_t>(column)] = static_cast<int16_t>(best_begin);
+    frame_.valid_end[static_cast<size_t>(column)] = static_cast<int16_t>(best_end);
+  }
+
+ private:
+  static constexpr int kMostTaps = 4;
+
+  double from_middle(int tap) const { return (tap + 0.5) / taps_ - 0.5; }
+
+  // One sample; is all of it inside the photo?
+  bool fill(const std::vector<ColumnMap>& maps, int y, int column) const {
+    int grey = 0, tint = 0;
+    bool inside = true;
+    for (const ColumnMap& map : maps)
+      for (int j = 0; j < taps_; ++j) {
+        const SourcePosition position = map.at(y + from_middle(j));
+        grey += interpolate(planes_.grey, position);
+        tint += interpolate(planes_.tint, position);
+        inside &= position.inside;
+      }
+    const int places = taps_ * taps_;
+    frame_.columns.at(y, column) = static_cast<uint8_t>((grey + places / 2) / places);
+    frame_.tint.at(y, column) = static_cast<uint8_t>((tint + places / 2) / places);
+    return inside;
+  }
+
+  const Planes& planes_;
+  const Camera& camera_;
+  int taps_;
+  UprightFrame& frame_;
+};
+
+UprightFrame make_upright(const Planes& planes, const Camera& camera, const UprightCamera& upright, double pitch_px,
                           const Job& job) {
   UprightFrame frame;
   frame.camera = upright;
-  frame.gain = gain;
   frame.columns = frame.tint = GreyImage(upright.height, upright.width);
   frame.valid_begin.resize(static_cast<size_t>(upright.width));
   frame.valid_end.resize(static_cast<size_t>(upright.width));
+  const Resampler resampler(planes, camera, pitch_px, frame);
   parallel_for(job, (upright.width + kStrip - 1) / kStrip, [&](int strip) {
     const int end = std::min(upright.width, (strip + 1) * kStrip);
-    for (int x = strip * kStrip; x < end; ++x) fill_column(planes, ColumnMap(camera, upright, x), x, frame);
+    for (int x = strip * kStrip; x < end; ++x) resampler.fill(x);
   });
   return frame;
 }
@@ -131,9 +162,18 @@ void for_each_photo(const Job& photos, std::string_view stage, size_t count, con
 
 }  // namespace
 
+size_t upright_pixels(const std::vector<Camera>& cameras, const Arc& arc, double pitch_px) {
+  size_t pixels = 0;
+  for (const Camera& camera : cameras) {
+    const UprightCamera upright = upright_camera(camera, arc.axis(), 0, pitch_px);
+    pixels += static_cast<size_t>(upright.width) * static_cast<size_t>(upright.height);
+  }
+  return pixels;
+}
+
 std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<Camera>& cameras,
                                   const std::vector<int>& frame_of_camera, const std::vector<ScenePoint>& points,
-                                  const Arc& arc, const Job& job) {
+                                  const Arc& arc, double pitch_px, const Job& job) {
   if (cameras.size() != frame_of_camera.size()) throw std::logic_error("rectify: one frame index per camera is needed");
   const int at_once = photos_at_once(cameras, job);
   Job photos = job, inside = job;  // threads over photos, and inside one photo
@@ -146,25 +186,11 @@ std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<C
   std::vector<UprightFrame> upright(cameras.size());
   for_each_photo(photos, "rectify", cameras.size(), [&](size_t k) {
     const Planes planes = make_planes(load(k), gains[k], inside);
-    upright[k] =
-        make_upright(planes, cameras[k], upright_camera(cameras[k], arc.axis(), frame_of_camera[k]), gains[k], inside);
+    const UprightCamera camera = upright_camera(cameras[k], arc.axis(), frame_of_camera[k], pitch_px);
+    upright[k] = make_upright(planes, cameras[k], camera, pitch_px, inside);
+    upright[k].gain = gains[k];
   });
   return upright;
-}
-
-RgbImage upright_colour(const FrameSource& frames, const Camera& camera, const UprightFrame& frame) {
-  const UprightCamera& upright = frame.camera;
-  const RgbImage photo = load_checked(frames, upright.source, camera);
-  RgbImage colour(upright.width, upright.height);
-  constexpr std::array<uint8_t Rgb::*, 3> kChannels = {&Rgb::r, &Rgb::g, &Rgb::b};
-  for (size_t c = 0; c < 3; ++c) {
-    const Plane<uint16_t> plane = channel(photo, kChannels[c], frame.gain[c]);
-    for (int x = 0; x < upright.width; ++x) {
-      const ColumnMap map(camera, upright, x);
-      for (int y = 0; y < upright.height; ++y) colour.at(x, y).*kChannels[c] = interpolate(plane, map.at(y));
-    }
-  }
-  return colour;
 }
 
 }  // namespace ldp

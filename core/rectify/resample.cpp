@@ -44,7 +44,8 @@ std::array<Bounds, 2> outline(const Camera& camera, const UprightCamera& upright
     bounds[1].include(std::clamp(-exact_dot(d, axis) / z, -kMaxUprightTangent, kMaxUprightTangent));
   };
   for (int i = 0; i <= kOutlineSteps; ++i) {
-    const double x = k.width * static_cast<double>(i) / kOutlineSteps, y = k.height * static_cast<double>(i) / kOutlineSteps;
+    const double x = k.width * static_cast<double>(i) / kOutlineSteps,
+                 y = k.height * static_cast<double>(i) / kOutlineSteps;
     include(x, 0);
     include(x, k.height);
     include(0, y);
@@ -69,12 +70,12 @@ std::array<std::array<int16_t, 4>, 256> catmull_rom() {
 
 }  // namespace
 
-UprightCamera upright_camera(const Camera& camera, const Eigen::Vector3d& axis, int source) {
+UprightCamera upright_camera(const Camera& camera, const Eigen::Vector3d& axis, int source, double pitch_px) {
   UprightCamera upright;
   upright.centre = camera.pose.centre;
   upright.forward = horizontal_forward(camera, axis);
   upright.right = upright.forward.cross(axis);
-  upright.focal = (camera.intrinsics.fx + camera.intrinsics.fy) / 2;
+  upright.focal = (camera.intrinsics.fx + camera.intrinsics.fy) / 2 / pitch_px;
   upright.source = source;
   const auto [across, down] = outline(camera, upright, axis);
   upright.cx = std::ceil(-across.low * upright.focal);
@@ -84,7 +85,8 @@ UprightCamera upright_camera(const Camera& camera, const Eigen::Vector3d& axis, 
   return upright;
 }
 
-ColumnMap::ColumnMap(const Camera& camera, const UprightCamera& upright, int column) : intrinsics_(camera.intrinsics) {
+ColumnMap::ColumnMap(const Camera& camera, const UprightCamera& upright, double column)
+    : intrinsics_(camera.intrinsics) {
   const Eigen::Vector3d down = upright.forward.cross(upright.right);
   const Eigen::Matrix3d& world_from_camera = camera.pose.world_from_camera;
   const double across = (column + 0.5 - upright.cx) / upright.focal, first_row = (0.5 - upright.cy) / upright.focal;
@@ -92,8 +94,8 @@ ColumnMap::ColumnMap(const Camera& camera, const UprightCamera& upright, int col
   step_ = exact_transposed_product(world_from_camera, down / upright.focal);
 }
 
-SourcePosition ColumnMap::at(int row) const {
-  const Eigen::Vector3d d = first_ + static_cast<double>(row) * step_;
+SourcePosition ColumnMap::at(double row) const {
+  const Eigen::Vector3d d = first_ + row * step_;
   if (d.z() <= 1e-3) return {};
   const Eigen::Vector2d position = project(intrinsics_, d);
   const double right_q8 = (intrinsics_.width - 1) * 256.0, bottom_q8 = (intrinsics_.height - 1) * 256.0;

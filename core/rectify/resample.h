@@ -9,8 +9,9 @@
 
 namespace ldp {
 
-// The upright camera of a photograph: same centre, mean focal length, image plane parallel to `axis`, just large enough.
-UprightCamera upright_camera(const Camera& camera, const Eigen::Vector3d& axis, int source);
+// The upright camera of a photograph: same centre, image plane parallel to `axis`, just large enough; one of its pixels
+// spans `pitch_px` of the photograph's.
+UprightCamera upright_camera(const Camera& camera, const Eigen::Vector3d& axis, int source, double pitch_px);
 
 // A position in the photograph in 1/256 pixel, relative to the centre of its first pixel.
 struct SourcePosition {
@@ -18,11 +19,11 @@ struct SourcePosition {
   bool inside = false;  // on or between pixel centres; otherwise x and y are clamped to them
 };
 
-// Maps samples of one upright column to the photograph.
+// Maps positions along one upright column to the photograph. Columns and rows count from the centre of the first pixel.
 class ColumnMap {
  public:
-  ColumnMap(const Camera& camera, const UprightCamera& upright, int column);
-  SourcePosition at(int row) const;
+  ColumnMap(const Camera& camera, const UprightCamera& upright, double column);
+  SourcePosition at(double row) const;
 
  private:
   const Intrinsics& intrinsics_;

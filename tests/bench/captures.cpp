@@ -24,7 +24,7 @@ PreparedCapture prepare_capture(const std::string& folder) {
   const Poses poses = triangulate(frames, given, {}, {});
   const ArcFit fit = fit_arc(poses.cameras, {});
   return {lay_grid(fit.arc, poses.cameras, poses.points, {}),
-          rectify(frames, poses.cameras, poses.frame_of_camera, poses.points, fit.arc, {})};
+          rectify(frames, poses.cameras, poses.frame_of_camera, poses.points, fit.arc, 1, {})};
 }
 
 }  // namespace ldp

@@ -135,7 +135,7 @@ int run(const fs::path& capture, Rays rays, const std::string& pictures, const s
   const DisparityMap truth = cached_truth(kept_truth, [&] { return true_disparity(grid, poses.cameras, depths, job); });
   lap("truth");
   save(pictures, "truth.png", truth);
-  const auto upright = rectify(frames, poses.cameras, poses.frame_of_camera, poses.points, fit.arc, job);
+  const auto upright = rectify(frames, poses.cameras, poses.frame_of_camera, poses.points, fit.arc, 1, job);
   lap("rectify");
   for (const auto& frame : upright)
     std::printf("%.3f/%.3f/%.3f ", static_cast<double>(frame.gain[0]), static_cast<double>(frame.gain[1]),

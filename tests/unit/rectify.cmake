@@ -1,0 +1,1 @@
+ldp_test(rectify_test SOURCES rectify_test.cpp USES ldp_rectify)

@@ -1,0 +1,74 @@
+#include "rectify.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "simple_capture.h"
+
+namespace ldp {
+namespace {
+
+// Three upright photos of fine and coarse texture.
+class Rectify : public testing::Test {
+ protected:
+  Rectify() {
+    for (int i = 0; i < 3; ++i) {
+      cameras_.push_back(test::camera_at(0.2 * i));
+      const Intrinsics& k = cameras_.back().intrinsics;
+      RgbImage photo(k.width, k.height);
+      for (int y = 0; y < k.height; ++y)
+        for (int x = 0; x < k.width; ++x) {
+          const auto level =
+              static_cast<uint8_t>(128 + 50 * std::sin(0.3 * x) * std::cos(0.2 * y) + 12 * ((x + y) % 2));
+          photo.at(x, y) = {level, level, static_cast<uint8_t>(255 - level)};
+        }
+      photos_.push_back(std::move(photo));
+    }
+  }
+
+  std::vector<UprightFrame> frames(double pitch_px) const {
+    return rectify(test::FramesInMemory(photos_), cameras_, {0, 1, 2}, {}, Arc(), pitch_px, {});
+  }
+
+  std::vector<Camera> cameras_;
+  std::vector<RgbImage> photos_;
+};
+
+// Largest difference between samples and the means of the 2x2 finer ones that they stand for, away from the borders.
+int largest_step(const UprightFrame& coarse, const UprightFrame& fine, GreyImage UprightFrame::*plane) {
+  const auto left = static_cast<int>(fine.camera.cx - 2 * coarse.camera.cx);
+  const auto top = static_cast<int>(fine.camera.cy - 2 * coarse.camera.cy);
+  int largest = 0;
+  for (int column = 2; column + 2 < coarse.camera.width; ++column)
+    for (int row = 2; row + 2 < coarse.camera.height; ++row) {
+      int sum = 0;
+      for (int i = 0; i < 4; ++i) sum += (fine.*plane).at(2 * row + top + i / 2, 2 * column + left + i % 2);
+      largest = std::max(largest, std::abs((coarse.*plane).at(row, column) - (sum + 2) / 4));
+    }
+  return largest;
+}
+
+TEST_F(Rectify, PixelsTwiceAsLargeHoldTheMeansOfFour) {
+  const auto fine = frames(1), coarse = frames(2);
+  for (size_t k = 0; k < fine.size(); ++k) {
+    EXPECT_NEAR(coarse[k].camera.width * 2, fine[k].camera.width, 2);
+    EXPECT_NEAR(coarse[k].camera.height * 2, fine[k].camera.height, 2);
+    EXPECT_DOUBLE_EQ(coarse[k].camera.focal * 2, fine[k].camera.focal);
+    EXPECT_LE(largest_step(coarse[k], fine[k], &UprightFrame::columns), 1);
+    EXPECT_LE(largest_step(coarse[k], fine[k], &UprightFrame::tint), 1);
+  }
+}
+
+TEST_F(Rectify, TellsBeforehandHowManyPixelsItsFramesWillHave) {
+  for (const double pitch_px : {1.0, 1.3, 2.0}) {
+    size_t pixels = 0;
+    for (const UprightFrame& frame : frames(pitch_px)) pixels += frame.columns.samples.size();
+    EXPECT_EQ(upright_pixels(cameras_, Arc(), pitch_px), pixels);
+  }
+}
+
+}  // namespace
+}  // namespace ldp
