@@ -38,6 +38,7 @@ constexpr double kKnownPx = 2.5;
 // What lies less behind the surface in front of it is not kept: within the viewing space it shows by half as much, as a
 // rim that a renderer gets by letting the background go on underneath.
 constexpr double kSeparatePx = 10;
+constexpr int kSpeckPx = 8;       // parts of layers behind that hold fewer pixels are not kept
 constexpr int kSilhouettePx = 4;  // by so much the sweep's windows may widen a near surface, and the cut a little more
 
 // Adds the time since its making, or since the last lap, to a stage of the report.
@@ -256,7 +257,9 @@ class Build {
     panorama.limits = viewing_limits();
     Plane<int16_t> farthest(grid_.width, grid_.height, kDisparitySteps);  // disparity at most that the next layer shows
     for (size_t k = 0; k < layers_.size(); ++k) {
-      drop_inseparable(farthest, layers_[k], sources_[k]);
+      drop_inseparable(farthest, layers_[k]);
+      if (k > 0) drop_specks(kSpeckPx, grid_.wraps, layers_[k]);
+      drop_sources(layers_[k], sources_[k]);
       panorama.layers.push_back(coded(layers_[k], k == 0 ? kKnownPx : 2 * kKnownPx));
       move_back(panorama.layers[k], farthest);
     }
@@ -278,10 +281,14 @@ class Build {
     return gap_steps(grid_, options);
   }
 
-  static void drop_inseparable(const Plane<int16_t>& farthest, DisparityMap& layer, Plane<uint8_t>& source) {
+  static void drop_inseparable(const Plane<int16_t>& farthest, DisparityMap& layer) {
     for (size_t i = 0; i < layer.samples.size(); ++i)
-      if (layer.samples[i] != kNoDisparity && layer.samples[i] > farthest.samples[i])
-        layer.samples[i] = kNoDisparity, source.samples[i] = kNoSource;
+      if (layer.samples[i] != kNoDisparity && layer.samples[i] > farthest.samples[i]) layer.samples[i] = kNoDisparity;
+  }
+
+  static void drop_sources(const DisparityMap& layer, Plane<uint8_t>& source) {
+    for (size_t i = 0; i < layer.samples.size(); ++i)
+      if (layer.samples[i] == kNoDisparity) source.samples[i] = kNoSource;
   }
 
   // Surfaces less than two codes apart are one to a renderer.

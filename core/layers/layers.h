@@ -67,6 +67,10 @@ void move_into_sight(const PanoramaGrid& grid, const DisparityMap& front, int ga
 int drop_unseen(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames,
                 const std::vector<VisibilityMap>& maps, const Job& job, DisparityMap& layer);
 
+// Removes connected parts of fewer than `least` pixels: they cost much to store, and a renderer lets the background go
+// on there.
+void drop_specks(int least, bool wraps, DisparityMap& layer);
+
 // The costs of `inner`, with pixels of `want` marked kBoundary held at the label of `surface`.
 class BoundaryCosts final : public CostSource {
  public:

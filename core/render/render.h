@@ -1,7 +1,7 @@
 // A perspective view with parallax from a layered depth panorama (paper section 3).
 //
 // Takes a panorama and a camera (any pose, distortion honoured); gives colour, alpha and z-depth. Layers are meshes
-// that tear at depth edges, drawn with a z-buffer; the deepest surfaces go on a few pixels underneath silhouettes
+// that tear at depth edges, drawn with a z-buffer; the deepest surfaces go on some pixels underneath silhouettes
 // (underlay.h). Pixels that nothing covers have alpha 0 and depth 0.
 #pragma once
 

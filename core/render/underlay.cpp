@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <utility>
 
 namespace ldp::render {
 namespace {
 
-constexpr int kReachPx = 5;
+constexpr int kReachPx = 20;
 
 struct Step {
   size_t to, from;
@@ -33,47 +34,77 @@ PreparedLayer deepest_of(const std::vector<PreparedLayer>& layers) {
 class Grower {
  public:
   Grower(PreparedLayer deepest, bool wraps, float parallax)
-      : deepest_(std::move(deepest)), wraps_(wraps), parallax_(parallax) {}
+      : deepest_(std::move(deepest)),
+        wraps_(wraps),
+        parallax_(parallax),
+        columns_(wraps ? deepest_.mesh.w.width - 1 : deepest_.mesh.w.width),
+        asked_in_(deepest_.mesh.w.width, deepest_.mesh.w.height, 0) {}
 
   PreparedLayer grow() {
     PreparedLayer underlay = deepest_;
     std::fill(underlay.mesh.w.samples.begin(), underlay.mesh.w.samples.end(), kAbsent);
     std::fill(underlay.code_w.samples.begin(), underlay.code_w.samples.end(), kAbsent);
-    for (int i = 0; i < kReachPx; ++i) {
-      const std::vector<Step> steps = one_pixel_on();
+    std::vector<size_t> asked = all_pixels();
+    for (int i = 1; i <= kReachPx; ++i) {
+      const std::vector<Step> steps = steps_at(asked);
       for (const Step& s : steps) copy(deepest_, s.from, underlay, s.to);
       for (const Step& s : steps) copy(underlay, s.to, deepest_, s.to);
+      asked = around(steps, static_cast<uint8_t>(i));
     }
     return underlay;
   }
 
  private:
-  // Pixels beside a deeper surface, and the pixel of it that goes on there.
-  std::vector<Step> one_pixel_on() const {
-    const Plane<float>& w = deepest_.mesh.w;
-    const int columns = wraps_ ? w.width - 1 : w.width;
+  std::vector<size_t> all_pixels() const {
+    std::vector<size_t> pixels;
+    pixels.reserve(deepest_.mesh.w.samples.size());
+    for (int y = 0; y < deepest_.mesh.w.height; ++y)
+      for (int x = 0; x < columns_; ++x) pixels.push_back(deepest_.mesh.w.index(x, y));
+    return pixels;
+  }
+
+  // Of the pixels asked those beside a deeper surface, and the pixel of it that goes on there.
+  std::vector<Step> steps_at(const std::vector<size_t>& asked) const {
     std::vector<Step> steps;
-    for (int y = 0; y < w.height; ++y)
-      for (int x = 0; x < columns; ++x) {
-        const size_t own = w.index(x, y), from = deeper_neighbour(x, y, columns);
-        if (from == own) continue;
-        steps.push_back({own, from});
-      }
+    for (const size_t pixel : asked) {
+      const size_t from = deeper_neighbour(pixel);
+      if (from != pixel) steps.push_back({pixel, from});
+    }
     return steps;
   }
 
-  // The pixel itself when there is none.
-  size_t deeper_neighbour(int x, int y, int columns) const {
+  // What changed and its neighbours, each once: nowhere else is there anything new.
+  std::vector<size_t> around(const std::vector<Step>& steps, uint8_t round) {
+    std::vector<size_t> pixels;
+    const auto add = [&](size_t pixel) {
+      if (std::exchange(asked_in_.samples[pixel], round) != round) pixels.push_back(pixel);
+    };
+    for (const Step& s : steps) {
+      add(s.to);
+      for_neighbours(s.to, add);
+    }
+    return pixels;
+  }
+
+  template <typename Use>
+  void for_neighbours(size_t pixel, Use use) const {
     constexpr std::array<std::array<int, 2>, 4> kNeighbours = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
     const Plane<float>& w = deepest_.mesh.w;
-    const size_t own = w.index(x, y);
-    size_t best = own;
+    const auto width = static_cast<size_t>(w.width);
+    const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
     for (const auto& [dx, dy] : kNeighbours) {
-      const int nx = wraps_ ? (x + dx + columns) % columns : x + dx;
-      if (!w.contains(nx, y + dy)) continue;
-      const size_t n = w.index(nx, y + dy);
-      if (w.samples[n] >= 0 && w.samples[n] < w.samples[best] && !same_surface(own, n)) best = n;
+      const int nx = wraps_ ? (x + dx + columns_) % columns_ : x + dx;
+      if (w.contains(nx, y + dy)) use(w.index(nx, y + dy));
     }
+  }
+
+  // The pixel itself when there is none.
+  size_t deeper_neighbour(size_t own) const {
+    const Plane<float>& w = deepest_.mesh.w;
+    size_t best = own;
+    for_neighbours(own, [&](size_t n) {
+      if (w.samples[n] >= 0 && w.samples[n] < w.samples[best] && !same_surface(own, n)) best = n;
+    });
     return best;
   }
 
@@ -86,6 +117,8 @@ class Grower {
   PreparedLayer deepest_;
   bool wraps_;
   float parallax_;
+  int columns_;  // without the repeated one
+  Plane<uint8_t> asked_in_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// One layer more, made up: continues the deepest surfaces a few pixels underneath the nearer ones beside them, where no
+// One layer more, made up: continues the deepest surfaces some pixels underneath the nearer ones beside them, where no
 // layer shows what is there. Silhouettes lie up to half a matching window beside the truth, and without this a small
 // step aside opens cracks along all of them. What is further behind stays a hole.
 #pragma once

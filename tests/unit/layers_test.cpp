@@ -220,4 +220,21 @@ TEST(BoundaryCosts, HoldTheBackgroundAndLeaveTheRest) {
 }
 
 }  // namespace
+TEST(DropSpecks, RemovesPartsOfFewerPixelsAndNoOthers) {
+  DisparityMap layer(8, 4, kNoDisparity);
+  for (int x = 0; x < 3; ++x) layer.at(x, 0) = 100;  // three in a row
+  layer.at(4, 1) = layer.at(5, 2) = 200;             // two that touch at a corner
+  layer.at(7, 3) = 300;
+  layer.at(0, 3) = layer.at(1, 3) = 400;  // three with the one before, round the seam
+  DisparityMap open = layer, closed = layer;
+  drop_specks(3, false, open);
+  drop_specks(3, true, closed);
+  DisparityMap expected(8, 4, kNoDisparity);
+  for (int x = 0; x < 3; ++x) expected.at(x, 0) = 100;
+  EXPECT_EQ(open.samples, expected.samples);
+  expected.at(7, 3) = 300;
+  expected.at(0, 3) = expected.at(1, 3) = 400;
+  EXPECT_EQ(closed.samples, expected.samples);
+}
+
 }  // namespace ldp

@@ -227,23 +227,23 @@ TEST(Render, leaves_a_hole_where_no_layer_is) {
     ASSERT_TRUE(view.alpha.samples[i] != 0 || view.depth.samples[i] == 0);
 }
 
-// Steps aside so that the edge of a near square moves by `parallax_px` against the background, which one layer shows.
-int holes_beside_square(double parallax_px, bool wraps, double square_theta) {
+// Steps aside so that the edge of a near pillar moves by `parallax_px` against the background, which one layer shows.
+int holes_beside_pillar(double parallax_px, bool wraps, double pillar_theta) {
   const PanoramaGrid grid = make_grid(Rays::central, wraps);
-  const auto off = [&](double theta) { return std::remainder(theta - square_theta, 2 * kPi); };
+  const auto off = [&](double theta) { return std::remainder(theta - pillar_theta, 2 * kPi); };
   const LayeredPanorama panorama =
-      one_layer(grid, [&](double theta, double v) { return in_square(off(theta), v) ? kFrontW : 0.0; });
-  const Eigen::Vector3d aside(-std::sin(square_theta), std::cos(square_theta), 0);
-  const Camera camera = make_camera(grid, square_theta, parallax_px * grid.theta_pitch / kFrontW * aside);
+      one_layer(grid, [&](double theta, double) { return std::abs(off(theta)) < 0.4 ? kFrontW : 0.0; });
+  const Eigen::Vector3d aside(-std::sin(pillar_theta), std::cos(pillar_theta), 0);
+  const Camera camera = make_camera(grid, pillar_theta, parallax_px * grid.theta_pitch / kFrontW * aside);
   return holes(Renderer(panorama).render(camera, {}));
 }
 
 TEST(Render, a_step_aside_opens_no_cracks_and_a_longer_one_shows_a_hole) {
   for (const auto& [wraps, theta] : {std::pair(false, 0.0), {true, 0.0}, {true, 1.3}, {true, 1.5}}) {
-    EXPECT_EQ(holes_beside_square(4, wraps, theta), 0) << wraps << " " << theta;
-    const int hole_px = holes_beside_square(15, wraps, theta);  // the square is 40 pixels high
-    EXPECT_GT(hole_px, 40 * (15 - 8)) << wraps << " " << theta;
-    EXPECT_LT(hole_px, 40 * (15 - 4)) << wraps << " " << theta;
+    EXPECT_EQ(holes_beside_pillar(4, wraps, theta), 0) << wraps << " " << theta;
+    const int hole_px = holes_beside_pillar(40, wraps, theta);  // the view is 90 pixels high
+    EXPECT_GT(hole_px, 90 * (40 - 24)) << wraps << " " << theta;
+    EXPECT_LT(hole_px, 90 * (40 - 18)) << wraps << " " << theta;
   }
 }
 
