@@ -21,6 +21,8 @@ constexpr double kLoose_rad = 0.08, kContradictingMatches = 0.3;  // a pair of w
                                                                   // contradicts the cameras
 constexpr double kContradictingSteps = 1.5, kContradictingShare = 0.15;  // or so much between its turn and theirs, in
                                                                          // mean steps and of theirs
+constexpr double kClosing = 240 * kDegree;  // turned between photos that may see the same things again
+constexpr uint8_t kMaybe = 1, kSure = 2;    // votes for a match; two keep it
 constexpr double kOutside = 1;  // inverse distance of what lies on the circle: an arm looks at what is outside
 
 std::vector<RayPair> ray_pairs(const MatchedSweep& sweep, const PairMatches& pair, double focal) {
@@ -72,24 +74,28 @@ std::vector<double> turned_so_far(const std::vector<Eigen::Matrix3d>& cameras) {
   return turned;
 }
 
-// Which matches of a pair agree that the cameras turn like that; all or none where too few do. Of photos near each
+// How surely each match of a pair agrees that the cameras turn like that; none do where too few do. Of photos near each
 // other in the sequence the matches are asked: cameras that turn otherwise see them inside the circle, or not in one
-// place. Those farther apart may not fit because errors add up along the sequence: of them only the turn is asked.
-std::vector<bool> agreeing_with_turns(const MatchedSweep& sweep, const PairMatches& pair, const RotationEdge& edge,
-                                      const Bundle& bundle, const std::vector<double>& turned) {
+// place. Those farther apart may not fit because errors add up along the sequence: of them only the turn is asked, and
+// unless it closes the circle, one focal length at which it fits may be chance.
+std::vector<uint8_t> votes_for_turns(const MatchedSweep& sweep, const PairMatches& pair, const RotationEdge& edge,
+                                     const Bundle& bundle, const std::vector<double>& turned) {
   const size_t count = pair.matches.size();
   if (pair.b - pair.a <= PairOptions{}.reach) {
-    std::vector<bool> agrees =
+    const std::vector<bool> agrees =
         agreeing_matches(sweep, bundle, pair, kLoose_rad * bundle.lens.focal_px, false, kOutside);
     const auto agreeing = static_cast<double>(std::count(agrees.begin(), agrees.end(), true));
-    return agreeing < kContradictingMatches * static_cast<double>(count) ? std::vector<bool>(count, false) : agrees;
+    std::vector<uint8_t> votes(count, 0);
+    if (agreeing >= kContradictingMatches * static_cast<double>(count))
+      std::transform(agrees.begin(), agrees.end(), votes.begin(), [](bool a) { return a ? kSure : uint8_t{0}; });
+    return votes;
   }
   const auto camera = [&](int i) { return bundle.cameras[static_cast<size_t>(i)].world_from_camera; };
   const double between = turned[static_cast<size_t>(pair.b)] - turned[static_cast<size_t>(pair.a)];
   const bool agrees =
       angle_between(edge.b_from_a, camera(pair.b).transpose() * camera(pair.a)) <
       kContradictingSteps * turned.back() / static_cast<double>(turned.size()) + kContradictingShare * between;
-  return std::vector<bool>(count, agrees);
+  return std::vector<uint8_t>(count, !agrees ? uint8_t{0} : between > kClosing ? kSure : kMaybe);
 }
 
 }  // namespace
@@ -107,7 +113,7 @@ std::vector<Turns> turns(const MatchedSweep& sweep, const std::optional<FocalPri
     for (const Eigen::Matrix3d& r : one.world_from_camera) spherical.cameras.push_back({r, r.col(2)});
     const std::vector<double> turned = turned_so_far(one.world_from_camera);
     for (size_t p = 0; p < edges.size(); ++p)
-      one.agrees.push_back(agreeing_with_turns(sweep, sweep.pairs[p], edges[p], spherical, turned));
+      one.votes.push_back(votes_for_turns(sweep, sweep.pairs[p], edges[p], spherical, turned));
   });
   const auto turned = [](const Turns& one) { return turned_so_far(one.world_from_camera).back(); };
   const double least = turned(
@@ -120,8 +126,9 @@ std::vector<PairMatches> without_contradictions(std::vector<PairMatches> pairs, 
   for (size_t p = 0; p < pairs.size(); ++p) {
     std::vector<Match> kept;
     for (size_t m = 0; m < pairs[p].matches.size(); ++m) {
-      if (std::any_of(all.begin(), all.end(), [&](const Turns& one) { return one.agrees[p][m]; }))
-        kept.push_back(pairs[p].matches[m]);
+      int votes = 0;
+      for (const Turns& one : all) votes += one.votes[p][m];
+      if (votes >= kSure) kept.push_back(pairs[p].matches[m]);
     }
     pairs[p].matches = std::move(kept);
   }

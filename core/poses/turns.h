@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -19,7 +20,7 @@ constexpr double kOffTheSphere = 4;  // hands leave the sphere: jitter shows as 
 struct Turns {
   double focal_px = 0;
   std::vector<Eigen::Matrix3d> world_from_camera;
-  std::vector<std::vector<bool>> agrees;  // by pair of the sweep and match: whether it shows that too
+  std::vector<std::vector<uint8_t>> votes;  // by pair of the sweep and match: how surely it shows that too
 };
 
 // For several focal lengths, around the prior's or over all that cameras have.
