@@ -33,7 +33,7 @@ constexpr double kCoarser = 1.05, kCoarsest = 3;  // steps of the panorama's pit
 // Of message passing. The solver's default of 8, which stereo benchmarks need, takes a sixth longer on a sweep, where
 // energies fall by less than 0.01 % (front layer) to 0.3 % (third layer) and the views are as good.
 constexpr int kIterations = 4;
-// Parallax over one arc radius to which depths are known; behind the front, where fewer cameras see, to half of it.
+// Parallax over one arc radius to which depths are known; behind the front, where fewer cameras see, to twice as much.
 constexpr double kKnownPx = 2.5;
 // What lies less behind the surface in front of it is not kept: within the viewing space it shows by half as much, as a
 // rim that a renderer gets by letting the background go on underneath.

@@ -20,8 +20,8 @@ namespace ldp {
 struct BuildOptions {
   int layers = 3;   // 1 .. 8
   int labels = 16;  // 2 .. 16
-  // 1 .. 4. From the second on, what the one before found hides voxels from cameras. With the robust variance of the
-  // sweep, which expects most cameras not to see a voxel beside an edge, that does not pay (README, numbers).
+  // 1 .. 4. From the second on, what the one before found hides voxels from cameras: depth and outlines a little
+  // better, for a third more time.
   int iterations = 1;
   Rays rays = Rays::pushbroom;
   int block_px = 16;                     // of the depth codes; 0 = uniform codes
@@ -43,8 +43,8 @@ struct BuildReport {
   PosesReport poses;
   ArcFit arc;
   std::vector<double> coverage;  // share of present pixels per layer
-  std::map<std::string, std::array<float, 3>>
-      gains;                       // by photo: what its R, G, B were multiplied by to match the others
+  // By photo: what its R, G, B were multiplied by to match the others.
+  std::map<std::string, std::array<float, 3>> gains;
   std::vector<std::string> notes;  // one line each, e.g. "no parallax was found: one far layer"
 };
 

@@ -117,6 +117,8 @@ std::vector<Track> place_good(const std::vector<Track>& tracks, double tolerance
   return kept;
 }
 
+namespace {
+
 size_t agreeing_observations(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle bundle,
                              const Job& job) {
   place_good(tracks, sweep.pixels(kAgreeing), false, bundle, job);
@@ -159,6 +161,8 @@ Bundle best_start(const MatchedSweep& sweep, const std::vector<Track>& tracks, c
                [&](int i) { adjust(candidates[static_cast<size_t>(i)], options, alone); });
   return std::move(best_of(right_side_out(sweep, tracks, std::move(candidates), job), 1).front().bundle);
 }
+
+}  // namespace
 
 Bundle start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
              const std::optional<FocalPrior>& prior, const Job& job) {
