@@ -37,28 +37,32 @@ class Rectify : public testing::Test {
   std::vector<RgbImage> photos_;
 };
 
-// Largest difference between samples and the means of the 2x2 finer ones that they stand for, away from the borders.
-int largest_step(const UprightFrame& coarse, const UprightFrame& fine, GreyImage UprightFrame::*plane) {
-  const auto left = static_cast<int>(fine.camera.cx - 2 * coarse.camera.cx);
-  const auto top = static_cast<int>(fine.camera.cy - 2 * coarse.camera.cy);
+// Largest difference between samples and the means of the n x n finer ones that they stand for, away from the borders.
+int largest_step(const UprightFrame& coarse, const UprightFrame& fine, int n, GreyImage UprightFrame::*plane) {
+  const auto left = static_cast<int>(fine.camera.cx - n * coarse.camera.cx);
+  const auto top = static_cast<int>(fine.camera.cy - n * coarse.camera.cy);
   int largest = 0;
   for (int column = 2; column + 2 < coarse.camera.width; ++column)
     for (int row = 2; row + 2 < coarse.camera.height; ++row) {
       int sum = 0;
-      for (int i = 0; i < 4; ++i) sum += (fine.*plane).at(2 * row + top + i / 2, 2 * column + left + i % 2);
-      largest = std::max(largest, std::abs((coarse.*plane).at(row, column) - (sum + 2) / 4));
+      for (int i = 0; i < n * n; ++i) sum += (fine.*plane).at(n * row + top + i / n, n * column + left + i % n);
+      largest = std::max(largest, std::abs((coarse.*plane).at(row, column) - (sum + n * n / 2) / (n * n)));
     }
   return largest;
 }
 
-TEST_F(Rectify, PixelsTwiceAsLargeHoldTheMeansOfFour) {
-  const auto fine = frames(1), coarse = frames(2);
-  for (size_t k = 0; k < fine.size(); ++k) {
-    EXPECT_NEAR(coarse[k].camera.width * 2, fine[k].camera.width, 2);
-    EXPECT_NEAR(coarse[k].camera.height * 2, fine[k].camera.height, 2);
-    EXPECT_DOUBLE_EQ(coarse[k].camera.focal * 2, fine[k].camera.focal);
-    EXPECT_LE(largest_step(coarse[k], fine[k], &UprightFrame::columns), 1);
-    EXPECT_LE(largest_step(coarse[k], fine[k], &UprightFrame::tint), 1);
+// Three times as well: only there would a single sample in the middle differ from the mean.
+TEST_F(Rectify, LargerPixelsHoldTheMeansOfThoseTheyStandFor) {
+  const auto fine = frames(1);
+  for (const int n : {2, 3}) {
+    const auto coarse = frames(n);
+    for (size_t k = 0; k < fine.size(); ++k) {
+      EXPECT_NEAR(coarse[k].camera.width * n, fine[k].camera.width, 2 * (n - 1));
+      EXPECT_NEAR(coarse[k].camera.height * n, fine[k].camera.height, 2 * (n - 1));
+      EXPECT_NEAR(coarse[k].camera.focal * n, fine[k].camera.focal, 1e-9);
+      EXPECT_LE(largest_step(coarse[k], fine[k], n, &UprightFrame::columns), 1);
+      EXPECT_LE(largest_step(coarse[k], fine[k], n, &UprightFrame::tint), 1);
+    }
   }
 }
 
