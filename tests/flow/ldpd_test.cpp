@@ -20,6 +20,7 @@
 #include <sstream>
 #include <thread>
 
+#include "../private_network.h"
 #include "images.h"
 #include "status.h"
 
@@ -729,14 +730,14 @@ TEST_F(LdpdTest, ADiskThatFillsUpKeepsEveryFrameThatWasStored) {
 }
 
 TEST_F(LdpdTest, TheMessagesOfASweepPassOverLcm) {
-  constexpr const char* kUrl = "lcm:udpm://239.255.76.72:7692?ttl=0";
+  const std::string url = "lcm:" + private_network();
   std::unique_ptr<StatusListener> listener;
   try {
-    listener = open_status_listener(kUrl);
+    listener = open_status_listener(url);
   } catch (const std::exception& error) {
     GTEST_SKIP() << error.what();
   }
-  Process service(command({"--once", "--status", kUrl}), room_ / "said");
+  Process service(command({"--once", "--status", url}), room_ / "said");
   EXPECT_EQ(service.wait().status, 0);
   std::vector<int> kinds(4, 0);
   while (const auto heard = listener->read()) ++kinds[heard->message.index()];
@@ -748,7 +749,7 @@ TEST_F(LdpdTest, TheMessagesOfASweepPassOverLcm) {
 }
 
 TEST_F(LdpdTest, ARecordedSessionReplaysThroughLdpWatch) {
-  const std::string url = "udpm://239.255.76.73:7693?ttl=0";
+  const std::string url = private_network();
   std::unique_ptr<StatusListener> listener;
   try {
     listener = open_status_listener("lcm:" + url);
@@ -788,7 +789,7 @@ TEST_F(LdpdTest, ARecordedSessionReplaysThroughLdpWatch) {
 // Noise on every channel, commands among them: the service and who watches it count it and go on as if nothing had
 // been.
 TEST_F(LdpdTest, AHundredThousandRandomDatagramsOnEveryChannelChangeNothingButACounter) {
-  const std::string url = "udpm://239.255.76.74:7694?ttl=0";
+  const std::string url = private_network();
   lcm::LCM stranger(url);
   if (!stranger.good()) GTEST_SKIP() << "no multicast here (ip route add 224.0.0.0/4 dev lo)";
   script("wait 1");
