@@ -172,7 +172,7 @@ class LdpdTest : public testing::Test {
                                    "--config",
                                    (room_ / "ldpd.toml").string(),
                                    "--camera",
-                                   "folder:" + (room_ / "frames").string() + "?fps=60" + camera_options,
+                                   "folder:" + (room_ / "frames").string() + "?fps=" + fps_ + camera_options,
                                    "--button",
                                    "script:" + (room_ / "script").string(),
                                    "--output",
@@ -236,6 +236,7 @@ class LdpdTest : public testing::Test {
   }
 
   fs::path room_;
+  std::string fps_ = "60";  // of the camera
 };
 
 bool is_gone(pid_t process) {
@@ -689,41 +690,50 @@ TEST_F(LdpdTest, ADiskThatFillsUpKeepsEveryFrameThatWasStored) {
     return line;
   };
   int without_room = 0, built_later = 0;
-  for (int left_kib = 0; left_kib <= 240; left_kib += kills() >= 100 ? 4 : 40) {
-    SCOPED_TRACE(left_kib);
-    for (const char* const said : {"said", "said2"}) fs::remove(room_ / said);
-    script(kUntilTheCameraEnds);
-    const std::string filler = "(until [ -e " + out +
-                               "/sweep_000001 ]; do sleep 0.002; done; head -c $(($(df -k --output=avail " + out +
-                               " | tail -1) - " + std::to_string(left_kib) + "))K /dev/zero > " + out + "/filler) & ";
-    // The second run ends when there is nothing left to build.
-    const std::string wait_for_build = "if [ $(ls " + out + "/sweep_000001 | grep -c jpg) -ge 3 ] && [ ! -e " + out +
-                                       "/sweep_000001.ldp ]; then until [ -e " + out +
-                                       "/sweep_000001.ldp ] || [ $((tries++)) = 3000 ]; do sleep 0.01; done; fi; ";
-    const std::string said2 = (room_ / "said2").string();
-    const std::string line = "mount -t tmpfs -o size=32m none " + out + " || exit 99; " + filler +
-                             run(command({"--once", "--status", "console:"}, "&hold=no")) + "; status=$?; rm -f " +
-                             out + "/filler; echo 'wait 1' > " + (room_ / "script").string() + "; " + run(command({})) +
-                             " 2> " + said2 + " & service=$!; until grep -q ready " + said2 + " || ! kill -0 $service" +
-                             "; do sleep 0.01; done; " + wait_for_build + "kill $service; wait $service; cp -r " + out +
-                             " " + copy + "; exit $status";
-    const Finished first = Process({"unshare", "-rm", "bash", "-c", line}, room_ / "said").wait();
-    if (first.status == 99 || first.status == 127 || first.said.find("unshare") != std::string::npos) {
-      GTEST_SKIP() << "no small disk can be mounted here: " << first.said;
+  const auto fill_up_at_each_write = [&] {
+    for (int left_kib = 0; left_kib <= 240; left_kib += kills() >= 100 ? 4 : 40) {
+      SCOPED_TRACE(left_kib);
+      for (const char* const said : {"said", "said2"}) fs::remove(room_ / said);
+      script(kUntilTheCameraEnds);
+      const std::string filler = "(until [ -e " + out +
+                                 "/sweep_000001 ]; do sleep 0.002; done; head -c $(($(df -k --output=avail " + out +
+                                 " | tail -1) - " + std::to_string(left_kib) + "))K /dev/zero > " + out + "/filler) & ";
+      // The second run ends when there is nothing left to build.
+      const std::string wait_for_build = "if [ $(ls " + out + "/sweep_000001 | grep -c jpg) -ge 3 ] && [ ! -e " + out +
+                                         "/sweep_000001.ldp ]; then until [ -e " + out +
+                                         "/sweep_000001.ldp ] || [ $((tries++)) = 3000 ]; do sleep 0.01; done; fi; ";
+      const std::string said2 = (room_ / "said2").string();
+      const std::string line = "mount -t tmpfs -o size=32m none " + out + " || exit 99; " + filler +
+                               run(command({"--once", "--status", "console:"}, "&hold=no")) + "; status=$?; rm -f " +
+                               out + "/filler; echo 'wait 1' > " + (room_ / "script").string() + "; " +
+                               run(command({})) + " 2> " + said2 + " & service=$!; until grep -q ready " + said2 +
+                               " || ! kill -0 $service" + "; do sleep 0.01; done; " + wait_for_build +
+                               "kill $service; wait $service; cp -r " + out + " " + copy + "; exit $status";
+      const Finished first = Process({"unshare", "-rm", "bash", "-c", line}, room_ / "said").wait();
+      if (first.status == 99 || first.status == 127 || first.said.find("unshare") != std::string::npos) {
+        GTEST_SKIP() << "no small disk can be mounted here: " << first.said;
+      }
+      if (first.status != 0) {
+        ++without_room;
+        EXPECT_THAT(first.said, HasSubstr("No space left on device"));
+      }
+      fs::remove_all(room_ / "out");
+      fs::rename(copy, room_ / "out");
+      const int frames = frames_in(capture());
+      EXPECT_GE(frames, reported_stored()) << first.said;
+      EXPECT_EQ(fs::exists(panorama()), frames >= 3) << first.said << text_of(room_ / "said2");
+      if (first.status != 0 && fs::exists(panorama())) ++built_later;
+      expect_whole(true);
+      fs::remove_all(room_ / "out");
+      fs::create_directories(room_ / "out");
     }
-    if (first.status != 0) {
-      ++without_room;
-      EXPECT_THAT(first.said, HasSubstr("No space left on device"));
-    }
-    fs::remove_all(room_ / "out");
-    fs::rename(copy, room_ / "out");
-    const int frames = frames_in(capture());
-    EXPECT_GE(frames, reported_stored()) << first.said;
-    EXPECT_EQ(fs::exists(panorama()), frames >= 3) << first.said << text_of(room_ / "said2");
-    if (first.status != 0 && fs::exists(panorama())) ++built_later;
-    expect_whole(true);
-    fs::remove_all(room_ / "out");
-    fs::create_directories(room_ / "out");
+  };
+  // On a busy machine the filler comes too late for a fast camera.
+  for (const char* const fps : {"60", "6", "1"}) {
+    fps_ = fps;
+    without_room = built_later = 0;
+    fill_up_at_each_write();
+    if (IsSkipped() || HasFailure() || without_room >= 3) break;
   }
   EXPECT_GE(without_room, 3);
   EXPECT_GE(built_later, 1);
