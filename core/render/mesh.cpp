@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -127,6 +129,7 @@ class Builder {
  private:
   MeshTile build_tile(int layer, int x0, int y0) const;
   void build_quad(MeshTile& tile, int x, int y) const;
+  void find_ranges(MeshTile& tile) const;
   void add_surface(MeshTile& tile, const std::array<int, 4>& surface, int wanted, int x, int y) const;
   Corner extend(int layer, const Corner& from, int x, int y) const;
   Corner corner(int layer, int x, int y) const;
@@ -229,6 +232,38 @@ void Builder::build_quad(MeshTile& tile, int x, int y) const {
     if (surface[static_cast<size_t>(s)] == s) add_surface(tile, surface, s, x, y);
 }
 
+void Builder::find_ranges(MeshTile& tile) const {
+  std::fill_n(tile.cell_w_min, kCells, INFINITY);
+  std::fill_n(tile.cell_w_max, kCells, kAbsent);
+  const auto include = [&](int x_in_tile, int y_in_tile, float w) {
+    const int cell = cell_of(x_in_tile, y_in_tile);
+    tile.cell_w_min[cell] = std::min(tile.cell_w_min[cell], w);
+    tile.cell_w_max[cell] = std::max(tile.cell_w_max[cell], w);
+  };
+  const Plane<float>& w = layers_[static_cast<size_t>(tile.layer)].mesh.w;
+  for (int y = 0; y < kTilePx; ++y)
+    for (uint32_t bits = tile.solid[y]; bits != 0; bits &= bits - 1) {
+      const int x = std::countr_zero(bits);
+      for (int k = 0; k < 4; ++k) include(x, y, w.at(tile.x0 + x + (k & 1), tile.y0 + y + (k >> 1)));
+    }
+  for (const TornQuad& quad : tile.torn)
+    for (const float corner_w : quad.w) include(quad.x_in_tile, quad.y_in_tile, corner_w);
+  tile.w_min = *std::min_element(tile.cell_w_min, tile.cell_w_min + kCells);
+  tile.w_max = *std::max_element(tile.cell_w_max, tile.cell_w_max + kCells);
+}
+
+void sort_torn(MeshTile& tile) {
+  const auto group = [](const TornQuad& q) { return (q.soft ? kCells : 0) + cell_of(q.x_in_tile, q.y_in_tile); };
+  std::stable_sort(tile.torn.begin(), tile.torn.end(),
+                   [&](const TornQuad& a, const TornQuad& b) { return group(a) < group(b); });
+  static_assert(4 * kTilePx * kTilePx <= std::numeric_limits<uint16_t>::max());
+  size_t end = 0;
+  for (int i = 0; i < 2 * kCells; ++i) {
+    while (end < tile.torn.size() && group(tile.torn[end]) == i) ++end;
+    tile.torn_end[i] = static_cast<uint16_t>(end);
+  }
+}
+
 MeshTile Builder::build_tile(int layer, int x0, int y0) const {
   MeshTile tile;
   tile.layer = layer;
@@ -236,24 +271,10 @@ MeshTile Builder::build_tile(int layer, int x0, int y0) const {
   tile.y0 = y0;
   const int x1 = std::min(x0 + kTilePx, grid_.wraps ? grid_.width : grid_.width - 1);
   const int y1 = std::min(y0 + kTilePx, grid_.height - 1);
-  tile.w_min = INFINITY;
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) build_quad(tile, x, y);
-  for (int y = y0; y <= y1; ++y)
-    for (int x = x0; x <= x1; ++x) {
-      const Corner c = corner(layer, x, y);
-      if (!c.present()) continue;
-      tile.w_min = std::min(tile.w_min, c.w);
-      tile.w_max = std::max(tile.w_max, c.w);
-    }
-  for (const TornQuad& quad : tile.torn)
-    for (const float w : quad.w) {
-      tile.w_min = std::min(tile.w_min, w);
-      tile.w_max = std::max(tile.w_max, w);
-    }
-  const auto soft =
-      std::stable_partition(tile.torn.begin(), tile.torn.end(), [](const TornQuad& q) { return !q.soft; });
-  tile.opaque_torn = static_cast<size_t>(soft - tile.torn.begin());
+  find_ranges(tile);
+  sort_torn(tile);
   return tile;
 }
 

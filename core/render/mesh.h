@@ -15,14 +15,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "kernels.h"
 #include "panorama.h"
 
 namespace ldp::render {
 
-constexpr int kTilePx = 32;  // quads per tile side; a row of a tile is one 32-bit mask
+constexpr int kTilePx = kRowQuads;  // quads per tile side; a row of a tile is one 32-bit mask
 
-// Colour and opacity of a vertex: r | g << 8 | b << 16 | a << 24.
-using Rgba = uint32_t;
 inline Rgba pack(Rgb c, uint8_t a) {
   return static_cast<Rgba>(c.r) | static_cast<Rgba>(c.g) << 8 | static_cast<Rgba>(c.b) << 16 |
          static_cast<Rgba>(a) << 24;
@@ -44,13 +43,20 @@ struct TornQuad {
   Rgba colour[4] = {};
 };
 
+// A tile's quads in squares of kCellPx, row by row: what is skipped together when something nearer hides it.
+constexpr int kCellPx = 8, kCellsAcross = kTilePx / kCellPx, kCells = kCellsAcross * kCellsAcross;
+inline int cell_of(int x_in_tile, int y_in_tile) { return y_in_tile / kCellPx * kCellsAcross + x_in_tile / kCellPx; }
+
 // Quads (x, y), x0 <= x < x0 + kTilePx, y0 <= y < y0 + kTilePx, of one layer.
 struct MeshTile {
   int layer = 0, x0 = 0, y0 = 0;
   float w_min = 0, w_max = 0;
-  uint32_t solid[kTilePx] = {};  // bit i of solid[j]: quad (x0 + i, y0 + j) is solid and opaque
-  std::vector<TornQuad> torn;    // opaque ones first
-  size_t opaque_torn = 0;
+  float cell_w_min[kCells], cell_w_max[kCells];  // of all corners of its quads; of a cell without quads w_max < w_min
+  uint32_t solid[kTilePx] = {};                  // bit i of solid[j]: quad (x0 + i, y0 + j) is solid and opaque
+
+  // Opaque ones of cell 0, of cell 1 and so on, then soft ones of cell 0 and so on; torn_end[i] of the i-th of these.
+  std::vector<TornQuad> torn;
+  uint16_t torn_end[2 * kCells] = {};
 };
 
 struct Mesh {

@@ -2,200 +2,283 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <optional>
+#include <utility>
+
+#include "kernels.h"
+#include "occlusion.h"
 
 namespace ldp::render {
 namespace {
 
-struct Quad {
-  int32_t x[4], y[4];  // corners as in TornQuad
-  float inverse_z[4];
-};
+constexpr uint32_t kAllCells = (1U << kCells) - 1;
+using kernels::Boxes;
+using kernels::Candidates;
+using kernels::QuadRow;
+using kernels::Vertex;
 
-// Twice the signed area of (from, to, p): positive to the right of the edge, which is inside (y runs down).
-int64_t edge(const Quad& q, int from, int to, int32_t px, int32_t py) {
-  return int64_t{q.x[to] - q.x[from]} * (py - q.y[from]) - int64_t{q.y[to] - q.y[from]} * (px - q.x[from]);
+void add(Candidates& out, int x, int y, int quad, bool wanted) {
+  const int at = out.count;
+  out.pixel[at] = x | y << 16;
+  out.quad[at] = quad;
+  out.count = at + static_cast<int>(wanted);  // or overwritten by the next one: no guess of the processor can go wrong
 }
 
-// Of two triangles that share an edge, exactly one owns the points on it.
-bool owns(int64_t value, const Quad& q, int from, int to) {
-  return value > 0 || (value == 0 && (q.y[to] < q.y[from] || (q.y[to] == q.y[from] && q.x[to] > q.x[from])));
-}
-
-// Position (s, t) in [0, 1]^2 of a pixel centre within a quad, and the inverse z there; false if it is outside, or on a
-// half that is seen from behind. The quad is split along the diagonal from corner 1 to corner 2; inverse z is linear on
-// the screen within each half. The three edge values of a triangle add up to its area.
-struct Hit {
-  float s, t, inverse_z;
-};
-bool hit(const Quad& q, int32_t px, int32_t py, Hit& out) {
-  const float* z = q.inverse_z;
-  const int64_t diagonal = edge(q, 1, 2, px, py);
-  if (owns(diagonal, q, 1, 2)) {
-    const int64_t top = edge(q, 0, 1, px, py), left = edge(q, 2, 0, px, py), area = diagonal + top + left;
-    if (!owns(top, q, 0, 1) || !owns(left, q, 2, 0) || area <= 0) return false;
-    const float scale = 1 / static_cast<float>(area);
-    out.s = static_cast<float>(left) * scale, out.t = static_cast<float>(top) * scale;
-    out.inverse_z = z[0] + out.s * (z[1] - z[0]) + out.t * (z[2] - z[0]);
-    return true;
-  }
-  const int64_t bottom = edge(q, 3, 2, px, py), right = edge(q, 1, 3, px, py), area = bottom + right - diagonal;
-  if (!owns(bottom, q, 3, 2) || !owns(right, q, 1, 3) || area <= 0) return false;
-  const float scale = 1 / static_cast<float>(area), a = static_cast<float>(right) * scale,
-              b = static_cast<float>(bottom) * scale;
-  out.s = 1 - a, out.t = 1 - b;
-  out.inverse_z = z[3] + a * (z[2] - z[3]) + b * (z[1] - z[3]);
-  return true;
-}
-
-// Bilinear mix of four packed colours, each channel to 8 bits.
-Rgba mix(const Rgba* c, float s, float t) {
-  const auto si = static_cast<uint32_t>(s * 256 + 0.5F), ti = static_cast<uint32_t>(t * 256 + 0.5F);
-  const uint32_t w3 = si * ti >> 8, w1 = si - w3, w2 = ti - w3, w0 = 256 - si - w2;
-  constexpr uint32_t kEven = 0x00FF00FF, kHalf = 0x00800080;
-  const uint32_t even = (c[0] & kEven) * w0 + (c[1] & kEven) * w1 + (c[2] & kEven) * w2 + (c[3] & kEven) * w3 + kHalf;
-  const uint32_t odd =
-      (c[0] >> 8 & kEven) * w0 + (c[1] >> 8 & kEven) * w1 + (c[2] >> 8 & kEven) * w2 + (c[3] >> 8 & kEven) * w3 + kHalf;
-  return (even >> 8 & kEven) | (odd & ~kEven);
-}
-
-// Up to kTilePx quads at a time: the pixels whose centres lie in each one's box, and its largest inverse z.
-struct Boxes {
-  int32_t x0[kTilePx], x1[kTilePx], y0[kTilePx], y1[kTilePx];  // inclusive
-  float nearest[kTilePx];
-};
-
-// Corner k of quad i is at [k][i].
-struct CornerRows {
-  const int32_t *x[4], *y[4];
-  const float* inverse_z[4];
-};
-
-// Smallest and largest of four rows, number by number.
-template <class T>
-void range(const T* const (&rows)[4], int count, T* __restrict smallest, T* __restrict largest) {
-  const T *a = rows[0], *b = rows[1], *c = rows[2], *d = rows[3];
-  for (int i = 0; i < count; ++i) {
-    const T ab_low = a[i] < b[i] ? a[i] : b[i], ab_high = a[i] < b[i] ? b[i] : a[i];
-    const T cd_low = c[i] < d[i] ? c[i] : d[i], cd_high = c[i] < d[i] ? d[i] : c[i];
-    smallest[i] = ab_low < cd_low ? ab_low : cd_low;
-    largest[i] = ab_high < cd_high ? cd_high : ab_high;
+// Adds the pixels (x + dx, y + dy) of boxes `quads`; if `behind`, only those that show nothing nearer than the quad's
+// nearest corner.
+template <bool behind>
+void add_pixels(const Boxes& boxes, uint32_t quads, int dx, int dy, const StripTarget& target, Candidates& out) {
+  for (; quads != 0; quads &= quads - 1) {
+    const int i = std::countr_zero(quads), x = boxes.x[i] + dx, y = boxes.y[i] + dy;
+    bool wanted = true;
+    if constexpr (behind) wanted = boxes.nearest[i] > target.opaque[target.pixel(x, y)].inverse_z;
+    add(out, x, y, i, wanted);
   }
 }
 
-// The pixel centres of a range of positions within [first, last].
-void pixels_within(int count, int32_t first, int32_t last, int32_t* __restrict low, int32_t* __restrict high) {
-  static_assert(kSubPx == 1 << 8);
-  for (int i = 0; i < count; ++i) {
-    const int32_t begin = (low[i] + (kSubPx - 1)) >> 8, end = high[i] >> 8;
-    low[i] = begin < first ? first : begin;
-    high[i] = end > last ? last : end;
-  }
+template <bool behind>
+void add_two_by_two(const Boxes& boxes, uint32_t quads, const StripTarget& target, Candidates& out) {
+  add_pixels<behind>(boxes, quads, 0, 0, target, out);
+  add_pixels<behind>(boxes, quads & boxes.wide, 1, 0, target, out);
+  add_pixels<behind>(boxes, quads & boxes.high, 0, 1, target, out);
+  add_pixels<behind>(boxes, quads & boxes.wide & boxes.high, 1, 1, target, out);
 }
 
-// Fills the boxes of `count` quads; gives a mask of those not empty.
-uint32_t find_boxes(const CornerRows& c, int count, const StripTarget& target, Boxes& boxes) {
-  float farthest[kTilePx];
-  int32_t on_screen[kTilePx];
-  range(c.x, count, boxes.x0, boxes.x1);
-  range(c.y, count, boxes.y0, boxes.y1);
-  range(c.inverse_z, count, farthest, boxes.nearest);
-  for (int i = 0; i < count; ++i) on_screen[i] = boxes.x0[i] != kOffScreen;
-  pixels_within(count, target.x0, target.x0 + target.width - 1, boxes.x0, boxes.x1);
-  pixels_within(count, 0, target.height - 1, boxes.y0, boxes.y1);
-  for (int i = 0; i < count; ++i) on_screen[i] &= (boxes.x0[i] <= boxes.x1[i]) & (boxes.y0[i] <= boxes.y1[i]);
+void add_all(const Boxes& boxes, int i, const StripTarget& target, Candidates& out) {
+  for (int y = boxes.y[i]; y <= boxes.bottom[i]; ++y)
+    for (int x = boxes.x[i]; x <= boxes.right[i]; ++x)
+      add(out, x, y, i, boxes.nearest[i] > target.opaque[target.pixel(x, y)].inverse_z);
+}
+
+// Draws rows of quads by draw(target, x, y, fragment).
+template <void draw(StripTarget&, int, int, const Fragment&)>
+class RowPainter {
+ public:
+  explicit RowPainter(StripTarget& target)
+      : target_(target), clip_{target.x0, target.x0 + target.width - 1, target.height - 1} {}
+
+  // Quads `wanted`, which are within [first, end), multiples of 8. `behind`: most of them lie behind what is drawn.
+  // Calls prepare() before the first use of row.vertices.
+  template <class Prepare>
+  void paint(const QuadRow& row, int first, int end, uint32_t wanted, bool behind, Prepare prepare) {
+    kernels_.find_boxes(row, first, end, clip_, boxes_);
+    wanted &= boxes_.some;
+    const uint32_t small = wanted & ~boxes_.large;
+    (behind ? add_two_by_two<true> : add_two_by_two<false>)(boxes_, small & ~boxes_.beyond, target_, candidates_);
+    const auto draw_some = [&] {
+      if (candidates_.count == 0) return;
+      prepare();
+      draw_candidates(row);
+    };
+    for (uint32_t bits = small & boxes_.beyond; bits != 0; bits &= bits - 1) {
+      if (candidates_.count + Candidates::kMostOfOneQuad > Candidates::kRoom) draw_some();
+      add_all(boxes_, std::countr_zero(bits), target_, candidates_);
+    }
+    draw_some();
+    for (uint32_t bits = wanted & boxes_.large; bits != 0; bits &= bits - 1) {
+      prepare();
+      draw_large(row, std::countr_zero(bits));
+    }
+  }
+
+ private:
+  void draw_candidates(const QuadRow& row) {
+    kernels_.find_hits(row, candidates_, fragments_);
+    const int count = std::exchange(candidates_.count, 0);
+    for (int i = 0; i < count; ++i)
+      draw(target_, candidates_.pixel[i] & 0xFFFF, candidates_.pixel[i] >> 16, fragments_[i]);
+  }
+
+  void draw_large(const QuadRow& row, int quad) {
+    for (int y = boxes_.y[quad]; y <= boxes_.bottom[quad]; ++y)
+      for (int x = boxes_.x[quad]; x <= boxes_.right[quad]; ++x)
+        draw(target_, x, y, kernels_.find_hit(row, quad, x, y));
+  }
+
+  const kernels::Kernels& kernels_ = kernels::best();
+  StripTarget& target_;
+  kernels::Clip clip_;
+  Boxes boxes_;
+  Candidates candidates_;
+  Fragment fragments_[Candidates::kRoom + Candidates::kPadding];
+};
+
+void draw_opaque(StripTarget& target, int x, int y, const Fragment& fragment) {
+  Fragment nowhere;
+  Fragment& shown = target.opaque[target.pixel(x, y)];
+  (fragment.inverse_z > shown.inverse_z ? shown : nowhere) = fragment;
+}
+
+void draw_soft(StripTarget& target, int x, int y, const Fragment& fragment) {
+  const size_t pixel = target.pixel(x, y);
+  if (fragment.inverse_z <= target.opaque[pixel].inverse_z || alpha_of(fragment.colour) == 0) return;
+  target.soft.push_back({fragment, target.first_soft[pixel]});
+  target.first_soft[pixel] = static_cast<int32_t>(target.soft.size()) - 1;
+}
+
+bool is_visible(uint32_t cells, int x_in_tile, int y_in_tile) {
+  return (cells >> cell_of(x_in_tile, y_in_tile) & 1) != 0;
+}
+
+// The bits of a row of quads that are in visible cells.
+uint32_t row_mask(uint32_t visible_cells, int y_in_tile) {
   uint32_t mask = 0;
-  for (int i = 0; i < count; ++i) mask |= static_cast<uint32_t>(on_screen[i]) << i;
+  for (int i = 0; i < kCellsAcross; ++i)
+    if (is_visible(visible_cells, i * kCellPx, y_in_tile)) mask |= ((1U << kCellPx) - 1) << i * kCellPx;
   return mask;
 }
 
-void draw_opaque(const Quad& q, const Rgba* c, const Boxes& boxes, int i, StripTarget& target) {
-  for (int y = boxes.y0[i]; y <= boxes.y1[i]; ++y)
-    for (int x = boxes.x0[i]; x <= boxes.x1[i]; ++x) {
-      Fragment& pixel = target.opaque[target.pixel(x, y)];
-      Hit at;
-      if (boxes.nearest[i] <= pixel.inverse_z || !hit(q, x * kSubPx, y * kSubPx, at)) continue;
-      if (at.inverse_z > pixel.inverse_z) pixel = {at.inverse_z, mix(c, at.s, at.t)};
-    }
+// Vertices [first, first + count) of a row of a tile on the screen, with room for reading 8 from any one on.
+struct VertexRow {
+  ScreenRow numbers = {};
+  Vertex vertices[kTilePx + 1] = {};
+  int first = 0, count = 0;
+  bool interleaved = false;
+
+  void add_colours(const Rgba* colours) {
+    if (!std::exchange(interleaved, true)) kernels::best().interleave(numbers, colours, count, first, vertices);
+  }
+};
+
+// Columns of cells that a row of cells needs.
+struct Span {
+  int first = 0, end = 0;
+};
+Span span_of(uint32_t visible_cells, int y_in_tile) {
+  const uint32_t cells = visible_cells >> cell_of(0, y_in_tile) & ((1U << kCellsAcross) - 1);
+  if (cells == 0) return {};
+  return {std::countr_zero(cells) * kCellPx, static_cast<int>(std::bit_width(cells)) * kCellPx};
 }
 
-void draw_soft(const Quad& q, const Rgba* c, const Boxes& boxes, int i, StripTarget& target) {
-  for (int y = boxes.y0[i]; y <= boxes.y1[i]; ++y)
-    for (int x = boxes.x0[i]; x <= boxes.x1[i]; ++x) {
-      const size_t pixel = target.pixel(x, y);
-      const float behind = target.opaque[pixel].inverse_z;
-      Hit at;
-      if (boxes.nearest[i] <= behind || !hit(q, x * kSubPx, y * kSubPx, at) || at.inverse_z <= behind) continue;
-      const Rgba colour = mix(c, at.s, at.t);
-      if (alpha_of(colour) == 0) continue;
-      target.soft.push_back({{at.inverse_z, colour}, target.first_soft[pixel]});
-      target.first_soft[pixel] = static_cast<int32_t>(target.soft.size()) - 1;
-    }
-}
+class SolidPainter {
+ public:
+  SolidPainter(const Mesh& mesh, const ViewFrustum& frustum, StripTarget& target)
+      : mesh_(mesh), frustum_(frustum), painter_(target) {}
 
-void draw_solid(const Mesh& mesh, const MeshTile& tile, const ViewFrustum& frustum, StripTarget& target) {
-  const MeshLayer& layer = mesh.layers[static_cast<size_t>(tile.layer)];
-  const int columns = std::min(kTilePx + 1, layer.w.width - tile.x0);
-  ScreenRow rows[2];
-  const auto load = [&](int y) { frustum.project_row(tile.x0, y, columns, &layer.w.at(tile.x0, y), rows[y & 1]); };
-  Boxes boxes;
-  int loaded = -1;
-  for (int y = tile.y0; y < std::min(tile.y0 + kTilePx, layer.w.height - 1); ++y) {
-    const uint32_t solid = tile.solid[y - tile.y0];
-    if (solid == 0) continue;
-    if (loaded != y) load(y);
-    load(y + 1);
-    loaded = y + 1;
-    const ScreenRow &a = rows[y & 1], &b = rows[(y + 1) & 1];
-    const Rgba *above = &layer.colour.at(tile.x0, y), *below = &layer.colour.at(tile.x0, y + 1);
-    const CornerRows corners{{a.x, a.x + 1, b.x, b.x + 1},
-                             {a.y, a.y + 1, b.y, b.y + 1},
-                             {a.inverse_z, a.inverse_z + 1, b.inverse_z, b.inverse_z + 1}};
-    for (uint32_t bits = find_boxes(corners, columns - 1, target, boxes) & solid; bits != 0; bits &= bits - 1) {
-      const int i = __builtin_ctz(bits);
-      const Quad q{{a.x[i], a.x[i + 1], b.x[i], b.x[i + 1]},
-                   {a.y[i], a.y[i + 1], b.y[i], b.y[i + 1]},
-                   {a.inverse_z[i], a.inverse_z[i + 1], b.inverse_z[i], b.inverse_z[i + 1]}};
-      const Rgba c[4] = {above[i], above[i + 1], below[i], below[i + 1]};
-      draw_opaque(q, c, boxes, i, target);
+  void paint(const MeshTile& tile, uint32_t visible_cells) {
+    for (int y = 0; y < kTilePx; y += kCellPx)
+      paint_cells(tile, y, span_of(visible_cells, y), row_mask(visible_cells, y));
+  }
+
+ private:
+  void paint_cells(const MeshTile& tile, int first_y, const Span& span, uint32_t mask) {
+    int projected = -1;  // the last row that is
+    for (int y = first_y; y < first_y + kCellPx; ++y) {
+      const uint32_t solid = tile.solid[y] & mask;
+      if (solid == 0) continue;
+      if (projected != y) project(tile, y, span);
+      project(tile, y + 1, span);
+      projected = y + 1;
+      const VertexRow &above = rows_[y & 1], &below = rows_[(y + 1) & 1];
+      const ScreenRow &a = above.numbers, &b = below.numbers;
+      const QuadRow quads{{above.vertices, above.vertices + 1, below.vertices, below.vertices + 1},
+                          {a.x, a.x + 1, b.x, b.x + 1},
+                          {a.y, a.y + 1, b.y, b.y + 1},
+                          {a.inverse_z, a.inverse_z + 1, b.inverse_z, b.inverse_z + 1}};
+      painter_.paint(quads, span.first, span.end, solid, tile.layer > 0, [&] {
+        add_colours(tile, y);
+        add_colours(tile, y + 1);
+      });
     }
   }
-}
 
-// Torn quads [begin, end) of a tile, some at a time: corner k of all of them, then corner k + 1.
-template <class Draw>
-void draw_torn(const MeshTile& tile, size_t begin, size_t end, const ViewFrustum& frustum, StripTarget& target,
-               Draw draw_quad) {
-  constexpr int kBatch = kTilePx / 4;
-  int x[4 * kBatch], y[4 * kBatch];
-  float w[4 * kBatch];
-  ScreenRow screen;
-  Boxes boxes;
-  for (; begin < end; begin += kBatch) {
-    const int count = static_cast<int>(std::min<size_t>(kBatch, end - begin));
-    const TornQuad* quads = &tile.torn[begin];
-    for (int k = 0; k < 4; ++k)
-      for (int i = 0; i < kBatch; ++i) {
-        const TornQuad& quad = quads[std::min(i, count - 1)];
+  void project(const MeshTile& tile, int y, const Span& span) {
+    const Plane<float>& w = mesh_.layers[static_cast<size_t>(tile.layer)].w;
+    VertexRow& row = rows_[y & 1];
+    const int x = tile.x0 + span.first;
+    row.first = span.first;
+    row.count = std::min(span.end - span.first + 1, w.width - x);
+    row.interleaved = false;
+    prefetch(tile, y + kAhead, span);
+    frustum_.project_row(x, tile.y0 + y, row.count, &w.at(x, tile.y0 + y), row.first, row.numbers);
+  }
+
+  // Rows of a tile are far apart in memory.
+  static constexpr int kAhead = 3;
+  void prefetch(const MeshTile& tile, int y, const Span& span) const {
+    const MeshLayer& layer = mesh_.layers[static_cast<size_t>(tile.layer)];
+    if (tile.y0 + y >= layer.w.height) return;
+    constexpr int kLinePx = 16;
+    const size_t begin = layer.w.index(tile.x0 + span.first, tile.y0 + y);
+    for (int x = 0; x <= span.end - span.first; x += kLinePx) {
+      __builtin_prefetch(&layer.w.samples[begin] + x);
+      __builtin_prefetch(&layer.colour.samples[begin] + x);
+    }
+  }
+
+  void add_colours(const MeshTile& tile, int y) {
+    VertexRow& row = rows_[y & 1];
+    row.add_colours(&mesh_.layers[static_cast<size_t>(tile.layer)].colour.at(tile.x0 + row.first, tile.y0 + y));
+  }
+
+  const Mesh& mesh_;
+  const ViewFrustum& frustum_;
+  RowPainter<draw_opaque> painter_;
+  VertexRow rows_[2];
+};
+
+// Draws torn quads some at a time: corner k of all of them, then corner k + 1.
+template <void draw(StripTarget&, int, int, const Fragment&)>
+class TornPainter {
+ public:
+  TornPainter(const ViewFrustum& frustum, StripTarget& target) : frustum_(frustum), painter_(target) {
+    for (int k = 0; k < 4; ++k) {
+      row_.vertices[k] = screen_.vertices + k * kBatch;
+      row_.x[k] = screen_.numbers.x + k * kBatch;
+      row_.y[k] = screen_.numbers.y + k * kBatch;
+      row_.inverse_z[k] = screen_.numbers.inverse_z + k * kBatch;
+    }
+    screen_.count = kTilePx;
+  }
+
+  // The soft ones of a tile or the others, in its visible cells.
+  void paint(const MeshTile& tile, bool soft, uint32_t visible_cells) {
+    int count = 0;
+    for (uint32_t cells = visible_cells; cells != 0; cells &= cells - 1) {
+      const int group = std::countr_zero(cells) + (soft ? kCells : 0);
+      for (size_t i = group > 0 ? tile.torn_end[group - 1] : 0; i < tile.torn_end[group]; ++i) {
+        quads_[count++] = &tile.torn[i];
+        if (count == kBatch) paint_some(tile, std::exchange(count, 0));
+      }
+    }
+    if (count > 0) paint_some(tile, count);
+  }
+
+ private:
+  static constexpr int kBatch = kTilePx / 4;
+
+  void paint_some(const MeshTile& tile, int count) {
+    project(tile, count);
+    painter_.paint(row_, 0, kBatch, (1U << count) - 1, tile.layer > 0, [&] {
+      for (int k = 0; k < 4; ++k)
+        for (int i = 0; i < count; ++i) colours_[k * kBatch + i] = quads_[i]->colour[k];
+      screen_.add_colours(colours_);
+    });
+  }
+
+  void project(const MeshTile& tile, int count) {
+    int x[kTilePx], y[kTilePx];
+    float w[kTilePx];
+    for (int i = 0; i < kBatch; ++i) {
+      const TornQuad& quad = *quads_[std::min(i, count - 1)];
+      for (int k = 0; k < 4; ++k) {
         x[k * kBatch + i] = tile.x0 + quad.x_in_tile + (k & 1);
         y[k * kBatch + i] = tile.y0 + quad.y_in_tile + (k >> 1);
         w[k * kBatch + i] = quad.w[k];
       }
-    frustum.project_scattered(4 * kBatch, x, y, w, screen);
-    CornerRows corners;
-    for (int k = 0; k < 4; ++k) {
-      corners.x[k] = screen.x + k * kBatch;
-      corners.y[k] = screen.y + k * kBatch;
-      corners.inverse_z[k] = screen.inverse_z + k * kBatch;
     }
-    for (uint32_t bits = find_boxes(corners, count, target, boxes); bits != 0; bits &= bits - 1) {
-      const int i = __builtin_ctz(bits);
-      Quad q;
-      for (int k = 0; k < 4; ++k)
-        q.x[k] = corners.x[k][i], q.y[k] = corners.y[k][i], q.inverse_z[k] = corners.inverse_z[k][i];
-      draw_quad(q, quads[i].colour, boxes, i, target);
-    }
+    frustum_.project_scattered(kTilePx, x, y, w, screen_.numbers);
+    screen_.interleaved = false;
   }
-}
+
+  const ViewFrustum& frustum_;
+  RowPainter<draw> painter_;
+  VertexRow screen_;
+  QuadRow row_;
+  const TornQuad* quads_[kBatch];
+  Rgba colours_[kTilePx] = {};
+};
 
 }  // namespace
 
@@ -215,16 +298,27 @@ void draw(const Mesh& mesh, const std::vector<const MeshTile*>& tiles, const Vie
   std::vector<const MeshTile*> seen;
   for (const MeshTile* tile : tiles)
     if (frustum.sees(*tile, window)) seen.push_back(tile);
+  std::optional<Occlusion> occlusion;  // by the layers before
+  int layer = 0;
+  const auto visible_cells = [&](const MeshTile& tile) {
+    return occlusion ? occlusion->visible_cells(frustum.bounds(tile)) : kAllCells;
+  };
+  SolidPainter solid(mesh, frustum, target);
+  TornPainter<draw_opaque> torn(frustum, target);
   for (const MeshTile* tile : seen) {
-    draw_solid(mesh, *tile, frustum, target);
-    draw_torn(*tile, 0, tile->opaque_torn, frustum, target, draw_opaque);
+    if (tile->layer != std::exchange(layer, tile->layer) && !frustum.distorts()) occlusion.emplace(target);
+    const uint32_t visible = visible_cells(*tile);
+    solid.paint(*tile, visible);
+    torn.paint(*tile, false, visible);
   }
-  for (const MeshTile* tile : seen) draw_torn(*tile, tile->opaque_torn, tile->torn.size(), frustum, target, draw_soft);
+  TornPainter<draw_soft> soft(frustum, target);
+  for (const MeshTile* tile : seen)
+    if (tile->torn_end[kCells - 1] < tile->torn.size()) soft.paint(*tile, true, visible_cells(*tile));
 }
 
-Blended blend(const StripTarget& target, size_t pixel) {
+Fragment blend(const StripTarget& target, size_t pixel) {
   const Fragment& back = target.opaque[pixel];
-  if (target.first_soft[pixel] < 0) return {back.colour, back.inverse_z};
+  if (target.first_soft[pixel] < 0) return back;
   constexpr size_t kMost = 16;  // beyond so many soft surfaces over each other nothing shows through
   std::array<Fragment, kMost> sorted;
   size_t count = 0;
@@ -235,7 +329,7 @@ Blended blend(const StripTarget& target, size_t pixel) {
     sorted[at] = fragment;
   }
   float r = 0, g = 0, b = 0, through = 1;
-  Blended result;
+  Fragment result;
   const auto add = [&](const Fragment& f) {
     const float share = through * static_cast<float>(alpha_of(f.colour)) / 255;
     r += share * static_cast<float>(f.colour & 255);

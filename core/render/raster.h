@@ -5,17 +5,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "kernels.h"
 #include "mesh.h"
 #include "view_frustum.h"
 
 namespace ldp::render {
-
-constexpr float kNothing = -1;  // inverse z of a pixel that no surface covers; infinity is 0
-
-struct Fragment {
-  float inverse_z = kNothing;
-  Rgba colour = 0;
-};
 
 struct SoftFragment {
   Fragment fragment;
@@ -37,11 +31,8 @@ struct StripTarget {
 
 void draw(const Mesh& mesh, const std::vector<const MeshTile*>& tiles, const ViewFrustum& frustum, StripTarget& target);
 
-// A pixel's surfaces over each other: colour not multiplied by alpha.
-struct Blended {
-  Rgba colour = 0;
-  float inverse_z = kNothing;  // of the surface at which opacity passes one half
-};
-Blended blend(const StripTarget& target, size_t pixel);
+// A pixel's surfaces over each other: colour not multiplied by alpha, inverse z of the surface at which opacity passes
+// one half.
+Fragment blend(const StripTarget& target, size_t pixel);
 
 }  // namespace ldp::render

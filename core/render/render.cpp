@@ -39,16 +39,17 @@ Plane<float> depth_of(Plane<float> inverse_z) {
 
 // inverse_z may be empty.
 void store(const render::StripTarget& strip, View& view, Plane<float>& inverse_z) {
-  for (int y = 0; y < strip.height; ++y)
-    for (int x = 0; x < strip.width; ++x) {
-      const auto pixel = static_cast<size_t>(y) * static_cast<size_t>(strip.width) + static_cast<size_t>(x);
-      const render::Blended blended = render::blend(strip, pixel);
-      const size_t out = view.colour.index(strip.x0 + x, y);
-      view.colour.samples[out] = {static_cast<uint8_t>(blended.colour), static_cast<uint8_t>(blended.colour >> 8),
-                                  static_cast<uint8_t>(blended.colour >> 16)};
-      view.alpha.samples[out] = static_cast<uint8_t>(render::alpha_of(blended.colour));
-      if (!inverse_z.empty()) inverse_z.samples[out] = blended.inverse_z;
+  for (int y = 0; y < strip.height; ++y) {
+    const size_t from = strip.pixel(strip.x0, y), to = view.colour.index(strip.x0, y);
+    for (size_t x = 0; x < static_cast<size_t>(strip.width); ++x) {
+      const render::Fragment& opaque = strip.opaque[from + x];
+      const render::Fragment shown = strip.first_soft[from + x] < 0 ? opaque : render::blend(strip, from + x);
+      view.colour.samples[to + x] = {static_cast<uint8_t>(shown.colour), static_cast<uint8_t>(shown.colour >> 8),
+                                     static_cast<uint8_t>(shown.colour >> 16)};
+      view.alpha.samples[to + x] = static_cast<uint8_t>(render::alpha_of(shown.colour));
+      if (!inverse_z.empty()) inverse_z.samples[to + x] = shown.inverse_z;
     }
+  }
 }
 
 }  // namespace

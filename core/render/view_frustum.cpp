@@ -7,9 +7,6 @@
 namespace ldp::render {
 namespace {
 
-constexpr float kGuardPx = 8192;  // positions beyond this far outside the image are not kept
-constexpr float kNear = 1e-6F;
-
 // The largest squared radius up to which the radial distortion grows with the radius.
 float largest_r2(const Intrinsics& k) {
   constexpr double kStep = 0.01, kLargest = 10;
@@ -39,9 +36,14 @@ ViewFrustum::ViewFrustum(const PanoramaGrid& grid, const Camera& camera) : intri
   }
   for (int y = 0; y < grid.height; ++y) v_.push_back(static_cast<float>(grid.v(y + 0.5)));
   const Intrinsics& k = intrinsics_;
-  distorted_ = k.k1 != 0 || k.k2 != 0 || k.p1 != 0 || k.p2 != 0;
-  max_r2_ = largest_r2(k);
-  bulge_ = static_cast<float>(1 - std::cos(std::min(1.5, 0.5 * kTilePx * grid.theta_pitch)));
+  const auto number = [](double value) { return static_cast<float>(value); };
+  lens_ = {number(k.fx), number(k.fy), number(k.cx), number(k.cy),  number(k.k1),
+           number(k.k2), number(k.p1), number(k.p2), largest_r2(k), k.k1 != 0 || k.k2 != 0 || k.p1 != 0 || k.p2 != 0};
+  const auto bulge = [&](int width) {
+    return static_cast<float>(1 - std::cos(std::min(1.5, 0.5 * width * grid.theta_pitch)));
+  };
+  bulge_ = bulge(kTilePx);
+  cell_bulge_ = bulge(kCellPx);
 }
 
 Window ViewFrustum::window(int column_begin, int column_end) const {
@@ -85,85 +87,76 @@ bool ViewFrustum::sees(const MeshTile& tile, const Window& window) const {
   return !(left || right || above || below || behind);
 }
 
-void ViewFrustum::project_row(int x, int y, int count, const float* w, ScreenRow& out) const {
-  const size_t begin = static_cast<size_t>(x);
-  const float v = v_[static_cast<size_t>(y)];
-  const float vx = v * nx_, vy = v * ny_, vz = v * nz_;
-  Lanes base;
-  for (int i = 0; i < count; ++i) {
-    const size_t column = begin + static_cast<size_t>(i);
-    base.base_x[i] = ax_[column] + vx;
-    base.base_y[i] = ay_[column] + vy;
-    base.base_z[i] = az_[column] + vz;
+// Every point of a cell is within a convex combination of its eight corners plus `slack` (q is linear in v and w, and
+// the arc of theta bulges). A point moved by no more than half its q.z moves on the image by at most
+// 2 slack (1 + |q.x / q.z|) / q.z.
+CellBounds ViewFrustum::bounds(const MeshTile& tile) const {
+  constexpr float kMarginPx = 1;  // more than rounding to 1 / kSubPx and of floats
+  const auto fx = static_cast<float>(intrinsics_.fx), fy = static_cast<float>(intrinsics_.fy);
+  const auto cx = static_cast<float>(intrinsics_.cx) - 0.5F, cy = static_cast<float>(intrinsics_.cy) - 0.5F;
+  constexpr float kNear = 1e-6F;
+  CellBounds out;
+  float z_min[kCells], slack[kCells];
+  for (int i = 0; i < kCells; ++i) {
+    out.x0[i] = out.y0[i] = z_min[i] = INFINITY;
+    out.x1[i] = out.y1[i] = -INFINITY;
   }
-  project(count, base, &bx_[begin], &by_[begin], &bz_[begin], w, out);
+  const size_t last_column = ax_.size() - 1, last_row = v_.size() - 1;
+  for (int corner = 0; corner < 4; ++corner) {
+    float ax[kCells], ay[kCells], az[kCells], bx[kCells], by[kCells], bz[kCells];
+    for (int i = 0; i < kCells; ++i) {
+      const int column = tile.x0 + (i % kCellsAcross + (corner & 1)) * kCellPx;
+      const int row = tile.y0 + (i / kCellsAcross + (corner >> 1)) * kCellPx;
+      const size_t x = std::min(static_cast<size_t>(column), last_column);
+      const float v = v_[std::min(static_cast<size_t>(row), last_row)];
+      ax[i] = ax_[x] + v * nx_, ay[i] = ay_[x] + v * ny_, az[i] = az_[x] + v * nz_;
+      bx[i] = bx_[x], by[i] = by_[x], bz[i] = bz_[x];
+      slack[i] = cell_bulge_ * (1 + tile.cell_w_max[i] * b_length_[x]);
+    }
+    for (const float* w : {tile.cell_w_min, tile.cell_w_max})
+      for (int i = 0; i < kCells; ++i) {
+        const float qz = az[i] + w[i] * bz[i], scale = 1 / (qz > kNear ? qz : kNear);
+        const float x = (ax[i] + w[i] * bx[i]) * scale, y = (ay[i] + w[i] * by[i]) * scale;
+        const float spread = 2 * slack[i] * scale;
+        const float dx = spread * (1 + std::abs(x)), dy = spread * (1 + std::abs(y));
+        out.x0[i] = std::min(out.x0[i], (x - dx) * fx + (cx - kMarginPx));
+        out.x1[i] = std::max(out.x1[i], (x + dx) * fx + (cx + kMarginPx));
+        out.y0[i] = std::min(out.y0[i], (y - dy) * fy + (cy - kMarginPx));
+        out.y1[i] = std::max(out.y1[i], (y + dy) * fy + (cy + kMarginPx));
+        z_min[i] = std::min(z_min[i], qz);
+      }
+  }
+  for (int i = 0; i < kCells; ++i) {
+    constexpr float kMargin = 1.0001F;
+    out.nearest[i] = kMargin * tile.cell_w_max[i] / (z_min[i] - slack[i]);
+    const bool known = z_min[i] > 2 * slack[i] && z_min[i] > 0.01F;
+    const bool empty = tile.cell_w_max[i] < tile.cell_w_min[i];
+    if (!known) out.nearest[i] = out.x1[i] = out.y1[i] = INFINITY, out.x0[i] = out.y0[i] = -INFINITY;
+    if (empty) out.x0[i] = INFINITY, out.x1[i] = -INFINITY;
+  }
+  return out;
+}
+
+void ViewFrustum::project_row(int x, int y, int count, const float* w, int first, ScreenRow& out) const {
+  const auto column = static_cast<size_t>(x);
+  const float v = v_[static_cast<size_t>(y)];
+  const kernels::Rays rays = {&ax_[column], &ay_[column], &az_[column], &bx_[column], &by_[column], &bz_[column]};
+  kernels_.project(rays, {v * nx_, v * ny_, v * nz_}, w, lens_, count, first, out);
 }
 
 void ViewFrustum::project_scattered(int count, const int* x, const int* y, const float* w, ScreenRow& out) const {
-  Lanes base, slope;
+  float ax[kTilePx + 1], ay[kTilePx + 1], az[kTilePx + 1], bx[kTilePx + 1], by[kTilePx + 1], bz[kTilePx + 1];
   for (int i = 0; i < count; ++i) {
     const auto column = static_cast<size_t>(x[i]);
     const float v = v_[static_cast<size_t>(y[i])];
-    base.base_x[i] = ax_[column] + v * nx_;
-    base.base_y[i] = ay_[column] + v * ny_;
-    base.base_z[i] = az_[column] + v * nz_;
-    slope.base_x[i] = bx_[column];
-    slope.base_y[i] = by_[column];
-    slope.base_z[i] = bz_[column];
+    ax[i] = ax_[column] + v * nx_;
+    ay[i] = ay_[column] + v * ny_;
+    az[i] = az_[column] + v * nz_;
+    bx[i] = bx_[column];
+    by[i] = by_[column];
+    bz[i] = bz_[column];
   }
-  project(count, base, slope.base_x, slope.base_y, slope.base_z, w, out);
-}
-
-void ViewFrustum::project(int count, const Lanes& base, const float* bx, const float* by, const float* bz,
-                          const float* w, ScreenRow& out) const {
-  float px[kTilePx + 1], py[kTilePx + 1], in_front[kTilePx + 1];
-  for (int i = 0; i < count; ++i) {
-    const float qx = base.base_x[i] + w[i] * bx[i];
-    const float qy = base.base_y[i] + w[i] * by[i];
-    const float qz = base.base_z[i] + w[i] * bz[i];
-    const float scale = 1 / (qz > kNear ? qz : kNear);
-    px[i] = qx * scale;
-    py[i] = qy * scale;
-    in_front[i] = qz;
-    out.inverse_z[i] = w[i] * scale;
-  }
-  if (distorted_) distort(count, px, py, in_front);
-  to_screen(count, px, py, in_front, out);
-}
-
-// Positions beyond the distortion's range are put behind the camera.
-void ViewFrustum::distort(int count, float* __restrict x, float* __restrict y, float* __restrict in_front) const {
-  const auto k1 = static_cast<float>(intrinsics_.k1), k2 = static_cast<float>(intrinsics_.k2);
-  const auto p1 = static_cast<float>(intrinsics_.p1), p2 = static_cast<float>(intrinsics_.p2);
-  const float max_r2 = max_r2_;
-  for (int i = 0; i < count; ++i) {
-    const float r2 = x[i] * x[i] + y[i] * y[i], xy = x[i] * y[i];
-    const float radial = 1 + r2 * (k1 + r2 * k2);
-    const float dx = x[i] * radial + 2 * p1 * xy + p2 * (r2 + 2 * x[i] * x[i]);
-    const float dy = y[i] * radial + p1 * (r2 + 2 * y[i] * y[i]) + 2 * p2 * xy;
-    in_front[i] = r2 < max_r2 ? in_front[i] : -1.0F;
-    x[i] = dx;
-    y[i] = dy;
-  }
-}
-
-void ViewFrustum::to_screen(int count, const float* nx, const float* ny, const float* in_front, ScreenRow& out) const {
-  const auto fx = static_cast<float>(intrinsics_.fx), fy = static_cast<float>(intrinsics_.fy);
-  const auto cx = static_cast<float>(intrinsics_.cx), cy = static_cast<float>(intrinsics_.cy);
-  int32_t* __restrict out_x = out.x;
-  int32_t* __restrict out_y = out.y;
-  for (int i = 0; i < count; ++i) {
-    // Pixel centres become integers; the offset makes the conversion, which cuts towards zero, round.
-    const float x = nx[i] * fx + cx + (kGuardPx - 0.5F), y = ny[i] * fy + cy + (kGuardPx - 0.5F);
-    // Not short-circuited, so that the loop vectorises.
-    const bool ok = (in_front[i] > kNear) & (x > 0) & (y > 0) & (x < 4 * kGuardPx) & (y < 4 * kGuardPx);
-    constexpr auto kShift = static_cast<int32_t>(kGuardPx) * kSubPx;
-    const float safe_x = ok ? x : 0.0F, safe_y = ok ? y : 0.0F;
-    const int32_t ix = static_cast<int32_t>(safe_x * kSubPx + 0.5F) - kShift;
-    const int32_t iy = static_cast<int32_t>(safe_y * kSubPx + 0.5F) - kShift;
-    out_x[i] = ok ? ix : kOffScreen;
-    out_y[i] = iy;
-  }
+  kernels_.project({ax, ay, az, bx, by, bz}, {0, 0, 0}, w, lens_, count, 0, out);
 }
 
 }  // namespace ldp::render

@@ -6,26 +6,26 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <vector>
 
+#include "kernels.h"
 #include "mesh.h"
 #include "panorama.h"
 
 namespace ldp::render {
 
-constexpr int kSubPx = 256;  // screen positions are integers in 1/256 pixel; pixel centres are multiples of it
-constexpr int32_t kOffScreen = std::numeric_limits<int32_t>::min();  // x of a vertex behind the camera or far outside
-
-// Vertices of one tile row.
-struct ScreenRow {
-  int32_t x[kTilePx + 1], y[kTilePx + 1];
-  float inverse_z[kTilePx + 1];
-};
+using kernels::ScreenRow;
 
 // A part of the image in normalised, undistorted coordinates.
 struct Window {
   float x0 = 0, x1 = 0, y0 = 0, y1 = 0;
+};
+
+// What the cells of a tile may cover: screen positions as in ScreenRow but in whole pixels, and the largest inverse z.
+// Cells without quads cover nothing: x1 < x0. Of cells too near the camera's plane nothing is known: they may cover
+// everything.
+struct CellBounds {
+  float x0[kCells], x1[kCells], y0[kCells], y1[kCells], nearest[kCells];
 };
 
 class ViewFrustum {
@@ -35,29 +35,23 @@ class ViewFrustum {
   Window window(int column_begin, int column_end) const;
   bool sees(const MeshTile& tile, const Window& window) const;
 
-  // Positions of `count` vertices of row y from column x on; at most kTilePx + 1.
-  void project_row(int x, int y, int count, const float* w, ScreenRow& out) const;
+  CellBounds bounds(const MeshTile& tile) const;  // without distortion only
+  bool distorts() const { return lens_.distorts; }
 
-  // The same, to the same bits, for vertices anywhere.
+  // Positions of `count` vertices of row y from column x on, out[first] being the first; w from there on.
+  void project_row(int x, int y, int count, const float* w, int first, ScreenRow& out) const;
+
+  // The same, to the same bits, of up to kTilePx + 1 vertices anywhere; out[0] is the first.
   void project_scattered(int count, const int* x, const int* y, const float* w, ScreenRow& out) const;
 
  private:
-  // Vertices as q = base + w * slope.
-  struct Lanes {
-    float base_x[kTilePx + 1], base_y[kTilePx + 1], base_z[kTilePx + 1];
-  };
-  void project(int count, const Lanes& base, const float* bx, const float* by, const float* bz, const float* w,
-               ScreenRow& out) const;
-  void distort(int count, float* x, float* y, float* in_front) const;
-  void to_screen(int count, const float* nx, const float* ny, const float* in_front, ScreenRow& out) const;
-
+  const kernels::Kernels& kernels_ = kernels::best();
   Intrinsics intrinsics_;
-  bool distorted_ = false;
-  float max_r2_ = 0;  // beyond this radius the distortion folds back
+  kernels::Lens lens_{};
   // Columns 0 .. width; column width is column 0 again when the panorama wraps.
   std::vector<float> ax_, ay_, az_, bx_, by_, bz_, b_length_, v_;
   float nx_ = 0, ny_ = 0, nz_ = 0;
-  float bulge_ = 0;  // how far an arc of a tile's width rises over its chord, in radii
+  float bulge_ = 0, cell_bulge_ = 0;  // how far an arc of a tile's, of a cell's width rises over its chord, in radii
 };
 
 }  // namespace ldp::render

@@ -342,6 +342,36 @@ TEST(Render, gives_the_same_bytes_at_any_thread_count) {
   EXPECT_EQ(one.depth, three.depth);
 }
 
+TEST(Render, skips_nothing_that_shows) {
+  // Two wavy walls with holes through each other, before a far one.
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, true);
+  const auto near = [](double theta, double v) {
+    return std::sin(9 * theta) + std::cos(11 * v) < -0.5 ? -1 : 1.2 + 0.05 * std::sin(40 * theta);
+  };
+  const auto middle = [](double theta, double v) {
+    return std::sin(7 * theta + 4 * v) < -0.5 ? -1 : 1.2 + 0.05 * std::cos(30 * v + theta);
+  };
+  const auto far = [](double, double v) { return 0.1 + 0.05 * v; };
+  const Renderer renderer({grid,
+                           {make_layer(grid, near, smooth_colour), make_layer(grid, middle, smooth_colour),
+                            make_layer(grid, far, smooth_colour)},
+                           {},
+                           {},
+                           {},
+                           {}});
+  for (int i = 0; i < 12; ++i) {
+    const Eigen::Vector3d offset = 0.1 * i * Eigen::Vector3d(std::cos(i), std::sin(i), 0.2);
+    Camera camera = make_camera(grid, 0.7 * i, offset, 0.05 * i);
+    camera.intrinsics = {450, 330, 250, 250, 220, 160};
+    const View view = renderer.render(camera, with_depth());
+    camera.intrinsics.k1 = 1e-12;  // a lens that moves nothing, but with lenses nothing is skipped
+    const View all = renderer.render(camera, with_depth());
+    ASSERT_EQ(view.colour, all.colour) << i;
+    ASSERT_EQ(view.alpha, all.alpha) << i;
+    ASSERT_EQ(view.depth, all.depth) << i;
+  }
+}
+
 TEST(Render, survives_cameras_inside_behind_and_beyond_every_surface) {
   const PanoramaGrid grid = make_grid(Rays::pushbroom, true);
   const Renderer renderer(square_before_background(grid));

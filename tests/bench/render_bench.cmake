@@ -1,0 +1,2 @@
+add_executable(render_bench render_bench.cpp)
+target_link_libraries(render_bench PRIVATE ldp_render ldp_ldp ldp_images ldp_types ldp_defaults)
