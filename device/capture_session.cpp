@@ -217,6 +217,7 @@ void CaptureSession::perform(Action action, const std::string& why) {
 
 void CaptureSession::begin_sweep() {
   frames_stored_ = 0;
+  sweep_closing_ = false;  // of a sweep whose build was cancelled: its last frames are written all the same
   capture_.clear();
   storage_problem_.clear();
   try {
@@ -349,7 +350,8 @@ void CaptureSession::start_build() {
 
 void CaptureSession::stop_build(bool cancelled) {
   build_.reset();
-  if (sweep_closing_ || capture_.empty()) return;  // not begun yet; the frames are kept either way
+  if (capture_.empty() || run_ == Run::capture_only) return;
+  if (sweep_closing_ && !cancelled) return;  // not begun yet
   store_.clear_building();
   BuildRecord record = store_.read_build_record(capture_);
   record.interruptions = std::max(0, record.interruptions - 1);
@@ -405,7 +407,9 @@ void CaptureSession::serve_camera() {
 
 void CaptureSession::serve_writer() {
   while (const auto outcome = writer_.take()) {
-    if (!outcome->error.empty()) {
+    if (capture_.empty() || outcome->folder != capture_folder()) {  // of a sweep before this one
+      if (!outcome->error.empty()) log_warning("cannot store: " + outcome->error);
+    } else if (!outcome->error.empty()) {
       if (storage_problem_.empty()) storage_problem_ = "cannot store: " + outcome->error;
     } else if (!outcome->file.empty()) {
       ++frames_stored_;

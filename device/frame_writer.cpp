@@ -77,7 +77,7 @@ void FrameWriter::run() {
       job = std::move(jobs_.front());
       jobs_.pop_front();
     }
-    WriteOutcome outcome{job.file, write(job)};
+    WriteOutcome outcome{job.folder, job.file, write(job)};
     {
       const std::scoped_lock lock(mutex_);
       outcomes_.push_back(std::move(outcome));

@@ -23,7 +23,8 @@ struct WriteJob {
 };
 
 struct WriteOutcome {
-  std::string file;   // as in the job
+  std::filesystem::path folder;  // as in the job, and
+  std::string file;
   std::string error;  // empty: the file is whole and on disk for good
 };
 

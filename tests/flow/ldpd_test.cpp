@@ -511,6 +511,37 @@ TEST_F(LdpdTest, TheBuildThatFollowsEndsWithItsSweep) {
   }
 }
 
+// On a disk that takes its time: the sweep is over, the button stays held until the build to come is cancelled, and the
+// next press begins another sweep, all before the first one's frames are on disk.
+TEST_F(LdpdTest, ASweepCancelledWhileItIsStoredKeepsItsFramesAndDoesNotMixWithTheNext) {
+  configure("mode = \"toggle\"\nmin_frames = 3\n");
+  fps_ = "20";
+  script(
+      "press wait 10 release wait 2000 press wait 3300 release press wait 10 release wait 2000 press wait 10 release");
+  const fs::path gate = room_ / "gate";
+  std::vector<std::string> words{"env", "LD_PRELOAD=" LDP_SLOW_DISK, "LDP_DISK_GATE=" + gate.string(),
+                                 "ASAN_OPTIONS=verify_asan_link_order=0"};
+  for (const std::string& word : command({"--status", "console:"}, "&hold=yes")) words.push_back(word);
+  {
+    Process service(words, room_ / "said");
+    ASSERT_TRUE(service.says("the frames are kept in sweep_000001")) << text_of(room_ / "said");
+    EXPECT_EQ(frames_in(capture()), 0);
+    for (int i = 0; i < 2000 && !fs::exists(capture(2)); ++i) std::this_thread::sleep_for(milliseconds(5));
+    write_file(gate, std::vector<uint8_t>(1));
+    ASSERT_TRUE(service.says("is ready")) << text_of(room_ / "said");
+    EXPECT_THAT(service.stop(SIGTERM).said, Not(HasSubstr("the build that followed the sweep is over")));
+  }
+  EXPECT_GT(frames_in(capture(1)), 0);
+  EXPECT_EQ(frames_in(capture(2)), reported_stored());
+  EXPECT_FALSE(fs::exists(panorama(1)));
+  EXPECT_TRUE(fs::exists(panorama(2)));
+  script("wait 1");
+  Process again(command({}), room_ / "said2");
+  EXPECT_TRUE(again.says("ready"));
+  EXPECT_THAT(again.stop(SIGTERM).said, Not(HasSubstr("building")));
+  expect_whole(true);
+}
+
 // After a kill at any moment: what was reported stored is there and whole, and the next start builds it.
 TEST_F(LdpdTest, KilledAtAnyMomentNothingStoredIsLostAndTheNextStartBuildsIt) {
   build_program("sleep 0.15");
