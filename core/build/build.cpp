@@ -33,6 +33,11 @@ constexpr double kCoarser = 1.05, kCoarsest = 3;  // steps of the panorama's pit
 // Of message passing. The solver's default of 8, which stereo benchmarks need, takes a sixth longer on a sweep, where
 // energies fall by less than 0.01 % (front layer) to 0.3 % (third layer) and the views are as good.
 constexpr int kIterations = 4;
+// Of expansion after it. More are the solver's default, for the last 0.03 % of energy, and take a tenth of its time.
+constexpr int kCycles = 1;
+// What an iteration before the last finds only hides voxels: it is swept in fewer steps and not expanded at all. Views
+// of the garden as good as with all of it (20.05 v 20.08 dB, SSIM 0.540), for two thirds of its time.
+constexpr int kHidingSubsteps = 4, kHidingCycles = 0;
 // Parallax over one arc radius to which depths are known; behind the front, where fewer cameras see, to twice as much.
 constexpr double kKnownPx = 2.5;
 // What lies less behind the surface in front of it is not kept: within the viewing space it shows by half as much, as a
@@ -132,14 +137,14 @@ class Build {
   // iteration before it found (paper 3.3.4).
   void find_layers(int iteration) {
     std::vector<DisparityMap> found;
-    const bool last = iteration == options_.iterations;
-    for (int index = 0; index < (last ? options_.layers : 1); ++index) {
+    last_ = iteration == options_.iterations;
+    for (int index = 0; index < (last_ ? options_.layers : 1); ++index) {
       const std::string name = "layer " + std::to_string(index + 1) + " iteration " + std::to_string(iteration);
       job_.report(name, 0);
       DisparityMap layer = index == 0 ? front_layer(name) : layer_behind(found, name);
       if (layer.empty()) break;
       pictures_.disparity(name, layer);
-      if (last) add_layer(grid_, layer, upright_, {}, job_, visibility_);
+      if (last_) add_layer(grid_, layer, upright_, {}, job_, visibility_);
       watch_.lap("visibility");
       found.push_back(std::move(layer));
     }
@@ -212,12 +217,14 @@ class Build {
   SweepOptions sweep_options() const {
     SweepOptions sweep;
     sweep.labels = options_.labels;
+    if (!last_) sweep.substeps = kHidingSubsteps;
     return sweep;
   }
 
   Plane<uint8_t> solve(const CostSource& costs, const Plane<uint8_t>& mask, const std::string& name) {
     SolveOptions solving;
     solving.iterations = kIterations;
+    solving.cycles = last_ ? kCycles : kHidingCycles;
     Labelling labelling = solve_depth(costs, mask, solving, job_);
     report_.solves.push_back({"depth " + name, labelling.report});
     pictures_.labels("labels " + name, labelling.labels, options_.labels - 1);
@@ -233,6 +240,7 @@ class Build {
       const SourceCandidates candidates(grid_, layers_[k], upright_, visibility_, colour);
       ColourSolveOptions solving;
       solving.iterations = kIterations;
+      solving.cycles = kCycles;
       Labelling labelling = solve_colour(candidates, solving, job_);
       const std::string name = "colour layer " + std::to_string(k + 1);
       report_.solves.push_back({name, labelling.report});
@@ -344,6 +352,7 @@ class Build {
   Poses poses_;
   PanoramaGrid grid_;
   std::vector<UprightFrame> upright_;
+  bool last_ = true;  // is this the last iteration?
   std::vector<DisparityMap> layers_;
   std::vector<VisibilityMap> visibility_;  // of all layers; empty for one far layer
   std::vector<Plane<uint8_t>> sources_;

@@ -34,6 +34,7 @@ struct SolveOptions {
   double contrast = 0.01;             // per grey level
   int core_px = 128, margin_px = 16;  // windows: core_px plus margin_px on each side
   int iterations = 8;                 // of message passing in each window, at each of four resolutions
+  int cycles = 20;                    // of expansion moves over all labels, at most; it ends where nothing moves
   int passes = 0;  // over all windows, every second one shifted by half a window; 0 = 2 for small grids, else 1
   const EdgeFactors* factors = nullptr;  // nullptr: every factor is 1
 };
@@ -59,6 +60,7 @@ struct ColourSolveOptions {
   double contrast = 0.1;              // per depth label
   int core_px = 128, margin_px = 16;  // as for depth
   int iterations = 8;
+  int cycles = 20;
   int passes = 0;
 };
 

@@ -86,7 +86,8 @@ Labelling solve_colour(const ColourCosts& costs, const ColourSolveOptions& optio
   const Smoothness smoothness(step, options.contrast, options.truncation);
   const ColourSource source(costs, units);
   WindowSolve solve =
-      solve_windows(source, smoothness, {options.core_px, options.margin_px, options.iterations, options.passes}, job);
+      solve_windows(source, smoothness,
+                    {options.core_px, options.margin_px, options.iterations, options.cycles, options.passes}, job);
   const double degrees = static_cast<double>(kSixteenths) / (units * kAnglesPerDegree);
   Labelling result;
   result.labels = std::move(solve.positions);

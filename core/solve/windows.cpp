@@ -16,7 +16,6 @@ namespace {
 
 constexpr int kCoarseLevels = 3;
 constexpr int kColumnsAtOnce = 32;
-constexpr int kMaxCycles = 20;  // of expansion over all slots; mostly 3 or 4 are enough
 constexpr int kSmall = 300000;  // pixels; below, one unlucky window shows, and a second, shifted pass costs little
 
 // What a thread needs to work on one window; kept for the next window.
@@ -279,7 +278,7 @@ class WindowSolver {
   bool expand(Scratch& scratch) {
     bool changed = false;
     scratch.expansion.start(scratch.grid, smoothness_);
-    for (int cycle = 0; cycle < kMaxCycles; ++cycle) {
+    for (int cycle = 0; cycle < options_.cycles; ++cycle) {
       bool pending = false;
       for (int alpha = 0; alpha < source_.slots(); ++alpha) {
         job_.check();

@@ -16,6 +16,7 @@ namespace ldp {
 struct WindowOptions {
   int core_px = 128, margin_px = 16;
   int iterations = 8;  // of message passing in each window, at each resolution
+  int cycles = 20;     // at most, of expansion over all slots
   int passes = 0;      // over all windows, every second one shifted by half a window; 0 = 2 for small grids, else 1
 };
 

@@ -30,14 +30,21 @@ struct SmoothRow {
   const uint16_t* disparity = nullptr;
 };
 
+// Samples and, beside them, their tints.
+template <typename T>
+struct Tinted {
+  T *grey = nullptr, *tint = nullptr;
+};
+
 struct Kernels {
   // out[i] = (left[i] (64 - weight) + right[i] weight + 32) >> 6.
   void (*blend_columns)(const uint8_t* left, const uint8_t* right, int weight, int count, uint8_t* out);
 
-  // Linear interpolation of a column at rows (row_q16 + i step_q16) / 65536 >= 0:
+  // Linear interpolation of a column and its tint at rows (row_q16 + i step_q16) / 65536 >= 0:
   // out[i] = (column[r] (64 - f) + column[r + 1] f + 32) >> 6 with r the row's integer part, f the first 6 bits of the
-  // rest. 0 < step_q16. The column may be read kPadding past the last row needed.
-  void (*resample_rows)(const uint8_t* column, int64_t row_q16, int32_t step_q16, int count, uint8_t* out);
+  // rest. 0 < step_q16. The columns may be read kPadding past the last row needed.
+  void (*resample_rows)(const Tinted<const uint8_t>& column, int64_t row_q16, int32_t step_q16, int count,
+                        const Tinted<uint8_t>& out);
 
   // mask[i] = 255 where surface[(row_q16 + i step_q16) / (65536 shrink)] <= limit, else 0.
   void (*test_visibility)(const uint16_t* surface, int64_t row_q16, int32_t step_q16, int shrink, int limit, int count,

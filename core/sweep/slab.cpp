@@ -30,14 +30,15 @@ class Column {
     const int64_t first_q16 = l.row_q16 + static_cast<int64_t>(l.step_q16) * l.y_begin;
     const auto first = static_cast<int>(first_q16 >> 16);
     const auto last = static_cast<int>((first_q16 + static_cast<int64_t>(l.step_q16) * (count - 1)) >> 16) + 1;
-    const auto resample = [&](const Line::Columns& from, std::vector<uint8_t>& to) {
-      scratch_.kernels.blend_columns(from.left + first, from.right + first, l.weight, last - first + 1,
-                                     scratch_.blended.data());
-      scratch_.kernels.resample_rows(scratch_.blended.data(), first_q16 & 0xFFFF, l.step_q16, count,
-                                     to.data() + (l.y_begin - y_begin_));
+    const auto blend = [&](const Line::Columns& from, std::vector<uint8_t>& to) {
+      scratch_.kernels.blend_columns(from.left + first, from.right + first, l.weight, last - first + 1, to.data());
     };
-    resample(l.grey, scratch_.samples[k]);
-    resample(l.tint, scratch_.tints[k]);
+    blend(l.grey, scratch_.blended);
+    blend(l.tint, scratch_.blended_tint);
+    const int offset = l.y_begin - y_begin_;
+    scratch_.kernels.resample_rows({scratch_.blended.data(), scratch_.blended_tint.data()}, first_q16 & 0xFFFF,
+                                   l.step_q16, count,
+                                   {scratch_.samples[k].data() + offset, scratch_.tints[k].data() + offset});
     if (l.surface) {
       uint8_t* mask = scratch_.masks[k].data() + (l.y_begin - y_begin_);
       scratch_.kernels.test_visibility(l.surface, first_q16, l.step_q16, l.surface_shrink, l.surface_limit, count,
@@ -95,6 +96,7 @@ void grow(std::vector<T>& buffer, int size) {
 void SlabScratch::reserve(int height, int longest_column) {
   const int rows = height + 2 * kHalo;
   grow(blended, longest_column);
+  grow(blended_tint, longest_column);
   for (auto& buffer : samples) grow(buffer, rows);
   for (auto& buffer : tints) grow(buffer, rows);
   for (auto& buffer : masks) grow(buffer, rows);

@@ -20,7 +20,7 @@ class SlabScratch {
   void reserve(int height, int longest_column);
 
   const kernels::Kernels& kernels;
-  std::vector<uint8_t> blended;  // a source column between two
+  std::vector<uint8_t> blended, blended_tint;  // a source column between two
   std::vector<uint8_t> samples[kernels::kMaxViews], tints[kernels::kMaxViews], masks[kernels::kMaxViews];
   std::vector<uint8_t> phi, medians[kHalo + 1];
   std::vector<uint16_t> sums[5], total, lowest[3], cost;

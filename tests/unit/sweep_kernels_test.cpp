@@ -44,18 +44,20 @@ TEST_P(SweepKernels, BlendTwoColumnsAtEveryWeight) {
 }
 
 TEST_P(SweepKernels, ResampleRowsAtStepsFromHalfToFour) {
-  const auto column = noise<uint8_t>(4 * kLongest + 8, 255);
+  const auto column = noise<uint8_t>(4 * kLongest + 8, 255), tint = noise<uint8_t>(4 * kLongest + 8, 255);
   for (const int32_t step : {32768, 65535, 65536, 65537, 131071, 131072, 131073, 262144})
     for (int count = 1; count <= kLongest; ++count) {
       const int64_t start = 4 * 65536 + 977 * count;
-      std::vector<uint8_t> out(kLongest + kPadding), expected;
-      k().resample_rows(column.data(), start, step, count, out.data());
+      std::vector<uint8_t> out(kLongest + kPadding), tint_out = out, expected, expected_tint;
+      k().resample_rows({column.data(), tint.data()}, start, step, count, {out.data(), tint_out.data()});
       for (int i = 0; i < count; ++i) {
         const int64_t row = start + int64_t{i} * step;
         const int f = static_cast<int>(row >> 10) & 63;
         const auto at = static_cast<size_t>(row >> 16);
         expected.push_back(static_cast<uint8_t>((column[at] * (64 - f) + column[at + 1] * f + 32) >> 6));
+        expected_tint.push_back(static_cast<uint8_t>((tint[at] * (64 - f) + tint[at + 1] * f + 32) >> 6));
       }
+      ASSERT_EQ(first(tint_out, count), expected_tint) << step << " " << count;
       ASSERT_EQ(first(out, count), expected) << step << " " << count;
     }
 }
@@ -137,7 +139,7 @@ TEST_P(SweepKernels, MaskedVarianceLooksOnlyAtWhatSees) {
         samples.push_back(noise<uint8_t>(kLongest, 30));
         tints.push_back(noise<uint8_t>(kLongest, 20));
         masks.push_back(noise<uint8_t>(kLongest, 1));
-        for (auto& m : masks.back()) m = m ? 255 : 0;
+        for (auto& m : masks.back()) m = m || count % 4 == 0 ? 255 : 0;  // at times nothing is hidden
       }
       const auto pointers = pointers_to(samples), tint_pointers = pointers_to(tints),
                  mask_pointers = pointers_to(masks);
