@@ -33,7 +33,8 @@ constexpr double kCoarser = 1.05, kCoarsest = 3;  // steps of the panorama's pit
 // Of message passing. The solver's default of 8, which stereo benchmarks need, takes a sixth longer on a sweep, where
 // energies fall by less than 0.01 % (front layer) to 0.3 % (third layer) and the views are as good.
 constexpr int kIterations = 4;
-// Of expansion after it. More are the solver's default, for the last 0.03 % of energy, and take a tenth of its time.
+// Of expansion after it. The solver's default, as many as find something, takes a tenth longer; energies of sweeps are
+// within 0.15 % of it, above or below, and views as good.
 constexpr int kCycles = 1;
 // What an iteration before the last finds only hides voxels: it is swept in fewer steps and not expanded at all. Views
 // of the garden as good as with all of it (20.05 v 20.08 dB, SSIM 0.540), for two thirds of its time.
