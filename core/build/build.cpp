@@ -167,6 +167,8 @@ class Build {
     const Plane<uint8_t> labels = solve(sweep, Plane<uint8_t>(), name);
     DisparityMap disparity = refine(sweep, labels, {}, job_);
     watch_.lap("refine");
+    fit_outlines(grid_, upright_, job_, disparity);
+    watch_.lap("outlines");
     return disparity;
   }
 

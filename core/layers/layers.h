@@ -67,6 +67,11 @@ void move_into_sight(const PanoramaGrid& grid, const DisparityMap& front, int ga
 int drop_unseen(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames,
                 const std::vector<VisibilityMap>& maps, const Job& job, DisparityMap& layer);
 
+// Moves the outlines of a dense layer's near surfaces inwards to where the photographs put them: a pixel beside a
+// surface further back takes its disparity where few pixels around it match better there.
+void fit_outlines(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const Job& job,
+                  DisparityMap& layer);
+
 // Removes connected parts of fewer than `least` pixels: they cost much to store, and a renderer lets the background go
 // on there.
 void drop_specks(int least, bool wraps, DisparityMap& layer);

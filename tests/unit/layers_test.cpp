@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stop_token>
 
 #include "simple_capture.h"
@@ -220,6 +221,105 @@ TEST(BoundaryCosts, HoldTheBackgroundAndLeaveTheRest) {
 }
 
 }  // namespace
+// What cameras see of square_before_the_sky: two patterns, or `plain`.
+std::vector<UprightFrame> photographs_of_the_square(const PanoramaGrid& grid, bool plain) {
+  const DisparityMap truth = square_before_the_sky(grid);
+  const auto column = [&](double theta) { return (grid.theta_left - theta) / grid.theta_pitch; };
+  const auto row = [&](double v) { return (grid.v_top - v) / grid.v_pitch; };
+  const auto grey = [&](const Eigen::Vector3d& centre, const Eigen::Vector3d& direction) {
+    const double depth = 1 / grid.w_near, radius = grid.arc.radius + depth;
+    const double a = direction.x() * direction.x() + direction.y() * direction.y();
+    const double b = direction.x() * centre.x() + direction.y() * centre.y();
+    const double c = centre.x() * centre.x() + centre.y() * centre.y() - radius * radius;
+    const Eigen::Vector3d p = centre + direction * ((-b + std::sqrt(b * b - a * c)) / a);
+    const double x = column(std::atan2(p.y(), p.x())), y = row(p.z() / depth);
+    if (truth.contains(static_cast<int>(x), static_cast<int>(y)) &&
+        truth.at(static_cast<int>(x), static_cast<int>(y)) == kNearSteps)
+      return 120 + 50 * std::sin(1.1 * x) + 50 * std::cos(0.9 * y);
+    const double far_x = column(std::atan2(direction.y(), direction.x())), far_y = row(direction.z() / std::sqrt(a));
+    return 130 + 60 * std::sin(0.8 * far_x + 0.5 * far_y) + 50 * std::cos(0.6 * far_y - 1.3 * far_x);
+  };
+  std::vector<UprightFrame> frames;
+  for (int i = 0; i < 5; ++i) {
+    const Camera camera = camera_at(0.3 - 0.15 * i);
+    frames.push_back(upright_of(camera, i));
+    for (int y = 0; y < camera.intrinsics.height; ++y)
+      for (int x = 0; x < camera.intrinsics.width; ++x) {
+        const Eigen::Vector3d ray = camera.pose.world_from_camera * unproject(camera.intrinsics, {x + 0.5, y + 0.5});
+        frames.back().columns.at(y, x) =
+            plain ? uint8_t{90} : static_cast<uint8_t>(std::lround(grey(camera.pose.centre, ray)));
+      }
+  }
+  return frames;
+}
+
+DisparityMap fattened_square(const PanoramaGrid& grid, int by_px) {
+  DisparityMap map = square_before_the_sky(grid);
+  for (int y = 20 - by_px; y < 40 + by_px; ++y)
+    for (int x = kFirst - by_px; x < kEnd + by_px; ++x) map.at(x, y) = kNearSteps;
+  return map;
+}
+
+int differing(const DisparityMap& a, const DisparityMap& b) {
+  int count = 0;
+  for (size_t i = 0; i < a.samples.size(); ++i) count += a.samples[i] != b.samples[i];
+  return count;
+}
+
+// Beside the square the nearest camera does not always see the sky: its parallax there is up to 3.75 pixels.
+TEST(FitOutlines, AreCloseToTheTruthHoweverWideTheWindowsMadeTheSurface) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  for (const int by_px : {0, 2, 5, 8}) {
+    DisparityMap map = fattened_square(grid, by_px);
+    fit_outlines(grid, photographs_of_the_square(grid, false), {}, map);
+    constexpr int kClosePx = 2;
+    int wrong = 0;
+    for (int y = 0; y < grid.height; ++y)
+      for (int x = 0; x < grid.width; ++x) {
+        const int outside = std::max({kFirst - x, x - kEnd + 1, 20 - y, y - 39});  // how far, in pixels
+        if (outside > kClosePx) wrong += map.at(x, y) != 0;
+        if (outside < 0) wrong += map.at(x, y) != kNearSteps;
+      }
+    EXPECT_LE(wrong, 4) << by_px << " px";
+  }
+}
+
+TEST(FitOutlines, LeaveASurfaceWithoutTextureAsItIs) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap before = fattened_square(grid, 5);
+  DisparityMap map = before;
+  fit_outlines(grid, photographs_of_the_square(grid, true), {}, map);
+  EXPECT_LE(differing(map, before), 4);  // corners are rounded
+}
+
+TEST(FitOutlines, LeaveAbsentPixelsAndWhatOneCameraSees) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  DisparityMap absent(grid.width, grid.height, kNoDisparity);
+  absent.at(50, 30) = 0;
+  const DisparityMap before = absent;
+  fit_outlines(grid, photographs_of_the_square(grid, false), {}, absent);
+  EXPECT_EQ(absent, before);
+  DisparityMap map = fattened_square(grid, 5);
+  const DisparityMap fat = map;
+  fit_outlines(grid, {photographs_of_the_square(grid, false)[2]}, {}, map);
+  EXPECT_EQ(map, fat);
+}
+
+TEST(FitOutlines, AreTheSameAtAnyThreadCountAndStopWhenAsked) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const std::vector<UprightFrame> frames = photographs_of_the_square(grid, false);
+  DisparityMap one = fattened_square(grid, 5), many = one;
+  Job job;
+  fit_outlines(grid, frames, job, one);
+  job.threads = 4;
+  fit_outlines(grid, frames, job, many);
+  EXPECT_EQ(one, many);
+  std::stop_source source;
+  source.request_stop();
+  job.stop = source.get_token();
+  EXPECT_THROW(fit_outlines(grid, frames, job, many), Cancelled);
+}
+
 TEST(DropSpecks, RemovesPartsOfFewerPixelsAndNoOthers) {
   DisparityMap layer(8, 4, kNoDisparity);
   for (int x = 0; x < 3; ++x) layer.at(x, 0) = 100;  // three in a row
