@@ -64,7 +64,7 @@ void DepthSource::load(const Window& window, PixelTerms& terms) const {
   std::fill(terms.grey.begin(), terms.grey.end(), uint8_t{0});
   std::fill(terms.solved.begin(), terms.solved.end(), uint8_t{0});
   const Window part = solved_part(window);
-  if (part.height == 0) return terms.find_grey_ranges();
+  if (part.height == 0) return;
   const auto labels = static_cast<size_t>(costs_.labels());
   std::vector<uint8_t> cost(static_cast<size_t>(part.width * part.height) * labels), grey(cost.size());
   costs_.read(part, cost.data(), grey.data());
@@ -79,7 +79,6 @@ void DepthSource::load(const Window& window, PixelTerms& terms) const {
         terms.grey[p * kSlots + l] = grey[from + std::min(l, labels - 1)];
       }
     }
-  terms.find_grey_ranges();
 }
 
 DepthProblem::DepthProblem(const CostSource& costs, const Plane<uint8_t>& mask, const SolveOptions& options)

@@ -21,8 +21,8 @@ void Expansion::start(LabelGrid& grid, const Smoothness& smoothness) {
   grid_ = &grid;
   smoothness_ = &smoothness;
   kernel_grid_ = grid.kernel_grid(smoothness);
-  gain_.resize(at(grid.size()) * kSlots);
-  negative_.resize(at(grid.size()));
+  gain_.assign(at(grid.size()) * kSlots, 0);  // `resize` would keep room for more
+  negative_.assign(at(grid.size()), 0);
   nodes_.assign(at(grid.size()), Node{});
   move_ = 0;
   dirty_.fill(~uint64_t{0});

@@ -12,31 +12,29 @@ void copy_pixels(const std::vector<T>& from, size_t first, size_t count, std::ve
               to.begin() + static_cast<ptrdiff_t>(at * each));
 }
 
+// Without room to grow further, which a window or strip, once of full size, never needs.
+template <typename T>
+void resize_exactly(std::vector<T>& values, size_t size) {
+  values.reserve(size);
+  values.resize(size);
+}
+
 }  // namespace
 
 void PixelTerms::resize(int new_width, int new_height, bool with_positions) {
   width = new_width;
   height = new_height;
   const auto n = static_cast<size_t>(width) * static_cast<size_t>(height);
-  cost.resize(n * kSlots);
-  floor.resize(with_positions ? n : 0);
-  grey.resize(n * kSlots);
-  position.resize(with_positions ? n * kSlots : 0);
-  grey_range.resize(n * 2);
-  solved.resize(n);
+  resize_exactly(cost, n * kSlots);
+  resize_exactly(floor, with_positions ? n : 0);
+  resize_exactly(grey, n * kSlots);
+  resize_exactly(position, with_positions ? n * kSlots : 0);
+  resize_exactly(solved, n);
 }
 
 size_t PixelTerms::bytes() const {
-  return (cost.capacity() + floor.capacity()) * sizeof(uint16_t) + grey.capacity() + grey_range.capacity() +
-         position.capacity() + solved.capacity();
-}
-
-void PixelTerms::find_grey_ranges() {
-  for (int p = 0; p < size(); ++p) {
-    const auto [least, largest] = std::minmax_element(greys(p), greys(p) + kSlots);
-    grey_range[static_cast<size_t>(p) * 2] = *least;
-    grey_range[static_cast<size_t>(p) * 2 + 1] = *largest;
-  }
+  return (cost.capacity() + floor.capacity()) * sizeof(uint16_t) + grey.capacity() + position.capacity() +
+         +solved.capacity();
 }
 
 void PixelTerms::take_columns(const PixelTerms& other, int from, int count, int to) {
@@ -45,7 +43,6 @@ void PixelTerms::take_columns(const PixelTerms& other, int from, int count, int 
              at = static_cast<size_t>(to) * static_cast<size_t>(height);
   copy_pixels(other.cost, first, pixels, cost, at, kSlots);
   copy_pixels(other.grey, first, pixels, grey, at, kSlots);
-  copy_pixels(other.grey_range, first, pixels, grey_range, at, 2);
   copy_pixels(other.solved, first, pixels, solved, at, 1);
   if (position.empty()) return;
   copy_pixels(other.position, first, pixels, position, at, kSlots);
@@ -55,6 +52,7 @@ void PixelTerms::take_columns(const PixelTerms& other, int from, int count, int 
 void LabelGrid::resize(int new_width, int new_height, bool with_positions) {
   PixelTerms::resize(new_width, new_height, with_positions);
   const auto n = static_cast<size_t>(size());
+  resize_exactly(grey_range, n * 2);
   message.assign(n * kSlots * 4, 0);
   down.assign(n, 0);
   right.assign(n, 0);
@@ -63,8 +61,21 @@ void LabelGrid::resize(int new_width, int new_height, bool with_positions) {
 }
 
 size_t LabelGrid::bytes() const {
-  return PixelTerms::bytes() + message.capacity() + down.capacity() + right.capacity() + label.capacity() +
-         fresh.capacity();
+  return PixelTerms::bytes() + grey_range.capacity() + message.capacity() + down.capacity() + right.capacity() +
+         label.capacity() + fresh.capacity();
+}
+
+void LabelGrid::find_grey_ranges() {
+  for (int p = 0; p < size(); ++p) {
+    const uint8_t* of = greys(p);
+    uint8_t least = 255, largest = 0;
+    for (int slot = 0; slot < kSlots; ++slot) {
+      least = std::min(least, of[slot]);
+      largest = std::max(largest, of[slot]);
+    }
+    grey_range[static_cast<size_t>(p) * 2] = least;
+    grey_range[static_cast<size_t>(p) * 2 + 1] = largest;
+  }
 }
 
 KernelGrid LabelGrid::kernel_grid(const Smoothness& smoothness) {

@@ -24,18 +24,15 @@ enum Direction : uint8_t { kUp = 0, kDown = 1, kLeft = 2, kRight = 3 };
 // What a problem says about each pixel by itself.
 struct PixelTerms {
   int width = 0, height = 0;
-  std::vector<uint16_t> cost;       // 16 per pixel
-  std::vector<uint16_t> floor;      // what was taken off all costs of a pixel, or empty: nothing was
-  std::vector<uint8_t> grey;        // 16 per pixel
-  std::vector<uint8_t> position;    // 16 per pixel, or empty: slot number = position
-  std::vector<uint8_t> grey_range;  // least and largest grey, 2 per pixel
-  std::vector<uint8_t> solved;      // 1 per pixel: is it part of the problem?
+  std::vector<uint16_t> cost;     // 16 per pixel
+  std::vector<uint16_t> floor;    // what was taken off all costs of a pixel, or empty: nothing was
+  std::vector<uint8_t> grey;      // 16 per pixel
+  std::vector<uint8_t> position;  // 16 per pixel, or empty: slot number = position
+  std::vector<uint8_t> solved;    // 1 per pixel: is it part of the problem?
 
   void resize(int new_width, int new_height, bool with_positions);
   int size() const { return width * height; }
   size_t bytes() const;
-  // To be called when the greys were filled.
-  void find_grey_ranges();
   // Columns [from, from + count) of another, of the same height, become columns [to, to + count) of this. The other may
   // be this, with to <= from.
   void take_columns(const PixelTerms& other, int from, int count, int to);
@@ -53,6 +50,7 @@ struct PixelTerms {
 
 // The same with edges, messages and labels. An edge belongs to its upper or left pixel.
 struct LabelGrid : PixelTerms {
+  std::vector<uint8_t> grey_range;   // least and largest grey, 2 per pixel
   std::vector<uint8_t> message;      // 64 per pixel: what came from each direction, 16 each (a reparametrisation)
   std::vector<uint8_t> down, right;  // edge factors, 1 per pixel; 0 = no edge
   std::vector<uint8_t> fresh;        // 1 per pixel, see KernelGrid
@@ -63,6 +61,8 @@ struct LabelGrid : PixelTerms {
     return direction == kDown ? 1 : direction == kUp ? -1 : direction == kRight ? height : -height;
   }
   size_t bytes() const;
+  // To be called when the greys were filled.
+  void find_grey_ranges();
   const uint8_t* messages(int p, int direction) const {
     return message.data() + (static_cast<ptrdiff_t>(p) * 4 + direction) * kSlots;
   }

@@ -33,7 +33,6 @@ class ColourSource final : public GridSource {
     for (int x = 0; x < window.width; ++x)
       for (int y = 0; y < window.height; ++y)
         load_pixel((window.x + x) % costs_.width(), window.y + y, x * window.height + y, terms);
-    terms.find_grey_ranges();
   }
 
  private:

@@ -51,10 +51,10 @@ void Strip::copy(const Window& part, LabelGrid& grid) const {
     };
     take(terms_.cost, grid.cost, kSlots);
     take(terms_.grey, grid.grey, kSlots);
-    take(terms_.grey_range, grid.grey_range, 2);
     take(terms_.solved, grid.solved, 1);
     if (source_.has_positions()) take(terms_.position, grid.position, kSlots);
   }
+  grid.find_grey_ranges();
   set_edges(source_, {column(part.x), part.y, part.width, part.height}, grid);
 }
 

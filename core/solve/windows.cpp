@@ -276,6 +276,7 @@ class WindowSolver {
   }
 
   bool expand(Scratch& scratch) {
+    if (options_.cycles == 0) return false;
     bool changed = false;
     scratch.expansion.start(scratch.grid, smoothness_);
     for (int cycle = 0; cycle < options_.cycles; ++cycle) {
