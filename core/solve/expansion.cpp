@@ -1,6 +1,7 @@
 #include "expansion.h"
 
 #include <algorithm>
+#include <cstddef>
 
 namespace ldp {
 
@@ -101,6 +102,10 @@ void Expansion::activate(int p) {
   Node& node = nodes_[at(p)];
   if ((node.flags & kActive) != 0) return;
   node.flags |= kActive;
+  if (queue_.size() == queue_.capacity() && queue_head_ > queue_.size() / 2) {  // rather than grow, drop what is done
+    queue_.erase(queue_.begin(), queue_.begin() + static_cast<ptrdiff_t>(queue_head_));
+    queue_head_ = 0;
+  }
   queue_.push_back(p);
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kFine = 8;   // fine steps a label
 constexpr int kReach = 6;  // fine steps either side of the label's middle that are tried
-constexpr int kTile = 64;
+constexpr int kTileWidth = 64, kTileHeight = 128;
 
 constexpr int16_t kNone = 0x7FFF, kNever = -0x4000;
 
@@ -116,11 +116,12 @@ DisparityMap Sweep::refine(const Plane<uint8_t>& labels, const Plane<uint8_t>& m
   Tables& t = *tables_;
   DisparityMap disparity(labels.width, labels.height, kNoDisparity);
   Plane<uint8_t> grey(labels.width, labels.height);
-  const int across = (labels.width + kTile - 1) / kTile, down = (labels.height + kTile - 1) / kTile;
+  const int across = (labels.width + kTileWidth - 1) / kTileWidth,
+            down = (labels.height + kTileHeight - 1) / kTileHeight;
   const int fine_steps = kFine * (t.options.labels - 1);
   parallel_for(job, across * down, [&](int tile) {
-    const int x = tile / down * kTile, y = tile % down * kTile;
-    const Window window{x, y, std::min(kTile, labels.width - x), std::min(kTile, labels.height - y)};
+    const int x = tile / down * kTileWidth, y = tile % down * kTileHeight;
+    const Window window{x, y, std::min(kTileWidth, labels.width - x), std::min(kTileHeight, labels.height - y)};
     FineMinimum minimum(labels, mask, window);
     auto scratch = t.take_scratch();
     scratch->slab.reserve(window.height, t.longest_column);
