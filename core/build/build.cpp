@@ -167,7 +167,7 @@ class Build {
     const Plane<uint8_t> labels = solve(sweep, Plane<uint8_t>(), name);
     DisparityMap disparity = refine(sweep, labels, {}, job_);
     watch_.lap("refine");
-    fit_outlines(grid_, upright_, job_, disparity);
+    if (last_) fit_outlines(grid_, upright_, job_, disparity);  // what only hides does so inside its outlines
     watch_.lap("outlines");
     return disparity;
   }
