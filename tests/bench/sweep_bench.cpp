@@ -73,16 +73,20 @@ void Slabs(benchmark::State& state, const kernels::Kernels& kernels) {
 
 void Kernels(benchmark::State& state, const kernels::Kernels& kernels) {
   constexpr int kRows = 512, kViews = 8;
-  std::vector<uint8_t> left(kRows + 2 * kernels::kPadding, 90), right(left), blended(left), phi(left), grey(left);
+  std::vector<uint8_t> left(kRows + 2 * kernels::kPadding, 90), right(left), blended(left);
+  std::vector<uint8_t> blended_tint(left), phi(left), grey(left);
   std::vector<std::vector<uint8_t>> samples(2 * kViews, left);
   const uint8_t* views[2 * kViews];  // grey, then tint
   std::vector<uint16_t> sums(kRows + 2 * kernels::kPadding), total(sums), lowest(sums);
   for (auto _ : state) {
-    for (int k = 0; k < 2 * kViews; ++k) {
-      uint8_t* out = samples[static_cast<size_t>(k)].data();
-      kernels.blend_columns(left.data(), right.data(), 7 * k, kRows, blended.data());
-      kernels.resample_rows(blended.data(), 1000 * k, 65000, kRows, out);
-      views[k] = out;
+    for (size_t k = 0; k < kViews; ++k) {
+      const int weight = 7 * static_cast<int>(k);
+      kernels.blend_columns(left.data(), right.data(), weight, kRows, blended.data());
+      kernels.blend_columns(left.data(), right.data(), weight, kRows, blended_tint.data());
+      const kernels::Tinted<uint8_t> out{samples[k].data(), samples[kViews + k].data()};
+      kernels.resample_rows({blended.data(), blended_tint.data()}, 1000 * static_cast<int>(k), 65000, kRows, out);
+      views[k] = out.grey;
+      views[kViews + k] = out.tint;
     }
     kernels.robust_variance(views, views + kViews, kViews, kRows, phi.data(), grey.data());
     kernels.sum5(phi.data(), kRows, sums.data());
