@@ -212,12 +212,29 @@ void take(Blocks& blocks, const BundleOptions& options, Bundle& bundle) {
   if (options.refine_distortion) bundle.lens.k1 = blocks.lens()[1], bundle.lens.k2 = blocks.lens()[2];
 }
 
-void add_residuals(const Bundle& bundle, const BundleOptions& options, Blocks& blocks, ceres::Problem& problem) {
-  auto* loss = new ceres::CauchyLoss(options.loss_px);
+struct Losses {
+  explicit Losses(const BundleOptions& options)
+      : confirmed(options.loss_px), pair(&confirmed, options.pair_weight, ceres::DO_NOT_TAKE_OWNERSHIP) {}
+
+  ceres::CauchyLoss confirmed;
+  ceres::ScaledLoss pair;
+};
+
+std::vector<int> views_of_points(const Bundle& bundle) {
+  std::vector<int> views(bundle.points.size(), 0);
+  for (const BundleObservation& o : bundle.observations) ++views[static_cast<size_t>(o.point)];
+  return views;
+}
+
+void add_residuals(const Bundle& bundle, const BundleOptions& options, Blocks& blocks, Losses& losses,
+                   ceres::Problem& problem) {
+  const std::vector<int> views = views_of_points(bundle);
   for (const BundleObservation& o : bundle.observations) {
     const size_t camera = static_cast<size_t>(o.camera), point = static_cast<size_t>(o.point);
     double *rotation = blocks.rotation(camera), *p = blocks.point(point), *lens = blocks.lens();
     const DirectionFrame& frame = blocks.frames[point];
+    ceres::LossFunction* const loss =
+        views[point] > 2 ? static_cast<ceres::LossFunction*>(&losses.confirmed) : &losses.pair;
     if (options.model == Model::rotation) {
       problem.AddResidualBlock(new Reprojection<Model::rotation>(o.position_px, o.weight, frame), loss, rotation, lens,
                                p);
@@ -270,8 +287,11 @@ BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& jo
       google::GLOG_FATAL;  // Ceres tells of every step that it rejects, on stderr; the summary is enough
   if (bundle.observations.empty()) return {};
   Blocks blocks = blocks_of(bundle);
-  ceres::Problem problem;
-  add_residuals(bundle, options, blocks, problem);
+  Losses losses(options);
+  ceres::Problem::Options ownership;
+  ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(ownership);
+  add_residuals(bundle, options, blocks, losses, problem);
   hold_the_world(bundle.cameras.size(), blocks, problem);
   add_lens(bundle, options, blocks, problem);
 

@@ -32,11 +32,15 @@ constexpr double kTorn = 0.3, kTornPixels = 12;      // share of a pair's matche
                                                      // pixels of 800 for it to hold
 constexpr double kEnough = 0.75;  // share of the observations that must fit, else other motion is tried
 constexpr double kLossOfTolerance = 0.3, kLargestLoss = 0.8;  // pixels of 800
-constexpr size_t kRich = 1000;                 // observations per frame that make a second look for matches needless
-constexpr int kThin = 250;                     // and those that do for the first rounds, the longest tracks first
-constexpr int kHeld = 150;                     // followed observations that a frame is content with
+constexpr size_t kRich = 1000;  // observations per frame that make a second look for matches needless
+constexpr int kThin = 250;      // and those that do for the first rounds, the longest tracks first
+constexpr int kHeld = 150;      // followed observations that a frame is content with
+constexpr double kMatchedPairs = 0.2, kFollowedPairs = 0.05;  // weights of points that two photos see, in the rounds
+                                                              // before the last: some move, and two photos of what
+                                                              // moves agree on cameras that a third tells wrong
 constexpr double kRough = 1e-4, kFine = 1e-6;  // where rounds end whose points the next places anew, and the others
-constexpr double kBends = 20;                  // variances by which free distortion must lower the cost to be believed
+constexpr double kBends = 100;                 // variances by which free distortion must lower the cost to be believed,
+constexpr double kBendsFollowed = 60;          // and once points are followed, which leaves fewer that move
 
 // Frames that hang together by pairs that count: the same number for all of a group.
 std::vector<int> groups(const MatchedSweep& sweep, const std::function<bool(const PairMatches&)>& counts) {
@@ -108,6 +112,7 @@ class Rounds {
     place(tracks, tolerance, r);
     options_.loss_px = sweep_.pixels(std::min(kLossOfTolerance * tolerance, kLargestLoss));
     options_.arc_sigma = std::max(arc_sigma, least_sigma_);
+    options_.pair_weight = tolerance == kFollowed[1] ? 1 : tolerance == kFollowed[0] ? kFollowedPairs : kMatchedPairs;
     options_.settled = tolerance > kMatched[2] ? kRough : kFine;
 
     cost_ = adjust(r.bundle, options_, job_).cost;
@@ -115,12 +120,13 @@ class Rounds {
 
   // Whether the lens bends lines, by the observations of the last round: focal length and distortion can stand in for
   // each other in a narrow view, so distortion is freed only where that explains clearly more.
-  void decide_distortion(Reconstruction& r) {
+  void decide_distortion(Reconstruction& r, double bends) {
+    if (options_.refine_distortion) return;
     Bundle bent = r.bundle;
     const double variance = 2 * cost_ / std::max(1.0, static_cast<double>(r.bundle.observations.size()));
     options_.refine_distortion = true;
     const BundleSummary summary = adjust(bent, options_, job_);
-    options_.refine_distortion = summary.usable && cost_ - summary.cost > kBends * variance;
+    options_.refine_distortion = summary.usable && cost_ - summary.cost > bends * variance;
     if (options_.refine_distortion) r.bundle = std::move(bent);
   }
 
@@ -259,10 +265,11 @@ Reconstruction reconstruct(MatchedSweep& sweep, const std::optional<FocalPrior>&
     rounds.round(thin(), kMatched[1], kAboutArc, result);
   }
   rounds.round(tracks, kMatched[2], kAboutArc, result);
-  rounds.decide_distortion(result);
+  rounds.decide_distortion(result, kBends);
   job.report("adjusting", 0.8);
   for (const double tolerance : kFollowed) {
     rounds.round(follow(sweep, result, job), tolerance, kAboutArc, result);
+    if (tolerance == kFollowed[0]) rounds.decide_distortion(result, kBendsFollowed);
     job.report("adjusting", 0.9);
   }
   drop_unheld(result);

@@ -53,6 +53,12 @@ void add(const Track& track, const InversePoint& point, Bundle& bundle) {
   for (const Observation& o : track) bundle.observations.push_back({o.frame, index, o.position_px, o.weight});
 }
 
+// Whether most of a track's sightings, or half of them, do not agree with the others.
+bool contradicted(const std::vector<bool>& used) {
+  const size_t agreeing = static_cast<size_t>(std::count(used.begin(), used.end(), true));
+  return used.size() > 2 && 2 * agreeing <= used.size();
+}
+
 }  // namespace
 
 std::vector<Track> longest_tracks(std::vector<Track> tracks, int frames, int per_frame) {
@@ -105,7 +111,7 @@ std::vector<Track> place_good(const std::vector<Track>& tracks, double tolerance
   bundle.observations.clear();
   std::vector<Track> kept;
   for (size_t i = 0; i < tracks.size(); ++i) {
-    if (!placed[i].point || !believable(*placed[i].point)) continue;
+    if (!placed[i].point || !believable(*placed[i].point) || contradicted(placed[i].used)) continue;
     Track good;
     for (size_t j = 0; j < tracks[i].size(); ++j) {
       if (placed[i].used[j]) good.push_back(tracks[i][j]);

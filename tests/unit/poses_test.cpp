@@ -304,9 +304,38 @@ Bundle true_bundle(Model model) {
   return bundle;
 }
 
-class Adjust : public testing::TestWithParam<Model> {};
+// A truth whose points are seen by all, except some that only the two cameras in the middle see, and that moved between
+// them.
+Bundle with_movers(const Bundle& truth) {
+  Bundle bundle = truth;
+  std::erase_if(bundle.observations,
+                [](const BundleObservation& o) { return o.point % 2 == 0 && o.camera != 3 && o.camera != 4; });
+  for (BundleObservation& o : bundle.observations) {
+    if (o.point % 2 == 0 && o.camera == 4) o.position_px.y() += 3;
+  }
+  return bundle;
+}
 
-TEST_P(Adjust, ReturnsToTheTruthFromADisturbedStart) {
+TEST(Adjust, BelievesPointsThatAThirdCameraConfirmsRatherThanPairsAgainstThem) {
+  const Bundle truth = true_bundle(Model::free);
+  const auto between = [](const Bundle& b) -> Eigen::Matrix3d {
+    return b.cameras[4].world_from_camera.transpose() * b.cameras[3].world_from_camera;
+  };
+  const auto gap_at_weight = [&](double weight) {
+    Bundle bundle = with_movers(truth);
+    BundleOptions options;
+    options.loss_px = 5;
+    options.arc_sigma = 10;
+    options.pair_weight = weight;
+    EXPECT_TRUE(adjust(bundle, options, Job{}).usable);
+    return angle_deg(between(bundle), between(truth));
+  };
+  EXPECT_LT(gap_at_weight(0.05), 0.2 * gap_at_weight(1));
+}
+
+class AdjustModel : public testing::TestWithParam<Model> {};
+
+TEST_P(AdjustModel, ReturnsToTheTruthFromADisturbedStart) {
   const Bundle truth = true_bundle(GetParam());
   Bundle bundle = truth;
   bundle.lens = {740, 0, 0};
@@ -332,12 +361,34 @@ TEST_P(Adjust, ReturnsToTheTruthFromADisturbedStart) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryModel, Adjust, testing::Values(Model::rotation, Model::spherical, Model::free),
+INSTANTIATE_TEST_SUITE_P(EveryModel, AdjustModel, testing::Values(Model::rotation, Model::spherical, Model::free),
                          [](const auto& model) {
                            return model.param == Model::rotation    ? "rotation"
                                   : model.param == Model::spherical ? "spherical"
                                                                     : "free";
                          });
+
+TEST(PlaceGood, LeavesOutATrackOfWhichOnlyHalfAgrees) {
+  Bundle bundle = true_bundle(Model::free);
+  const auto track_of = [&](int point) {
+    Track track;
+    for (const BundleObservation& o : bundle.observations) {
+      if (o.point == point && track.size() < 4) track.push_back({o.camera, -1, o.position_px});
+    }
+    return track;
+  };
+  std::vector<Track> tracks;
+  for (int point = 0; tracks.size() < 3; ++point) {
+    if (Track track = track_of(point); track.size() == 4) tracks.push_back(std::move(track));
+  }
+  tracks[1][0].position_px.y() += 40;  // three of four agree
+  tracks[2][0].position_px.y() += 40, tracks[2][2].position_px.y() -= 60;
+  const std::vector<Track> kept = place_good(tracks, 3, false, bundle, Job{});
+  ASSERT_EQ(kept.size(), 2U);
+  EXPECT_EQ(kept[0].size(), 4U);
+  EXPECT_EQ(kept[1].size(), 3U);
+  EXPECT_EQ(bundle.points.size(), 2U);
+}
 
 // A sweep whose features and matches are those of a known bundle.
 struct KnownSweep {
