@@ -12,11 +12,9 @@ namespace ldp {
 namespace {
 
 constexpr double kTolerance = 0.005;  // of the longer image side: given cameras may be a centimetre off
-// Coarser than where cameras are estimated, in two thirds of the time: points only bound depths and compare brightness.
-constexpr int kPicture_px = 640;       // longer side of what is kept of a photo
-constexpr double kDetection_px = 320;  // features are sought at about twice this
-constexpr int kNeighbours = 4;         // frames that each frame is matched with, nearest line of sight first
-constexpr double kFarthest = 1e4;      // points are put no farther than this many spreads of the cameras
+constexpr int kPicture_px = 1000;     // longer side of what is kept of a photo
+constexpr int kNeighbours = 4;        // frames that each frame is matched with, nearest line of sight first
+constexpr double kFarthest = 1e4;     // points are put no farther than this many spreads of the cameras
 
 struct KnownFrame {
   int frame = 0;  // index in the source
@@ -45,8 +43,7 @@ std::vector<KnownFrame> matched_by_name(const FrameSource& frames, const std::ve
 void find_features(const FrameSource& frames, std::vector<KnownFrame>& known, const Job& job) {
   parallel_for(job, static_cast<int>(known.size()), [&](int i) {
     KnownFrame& k = known[static_cast<size_t>(i)];
-    k.features = detect_features(make_grey_photo(frames.load(k.frame), kPicture_px),
-                                 FeatureOptions{.longer_side_px = kDetection_px});
+    k.features = detect_features(make_grey_photo(frames.load(k.frame), kPicture_px), FeatureOptions{});
     for (const Eigen::Vector2d& p : k.features.positions) k.rays.push_back(unproject(k.camera.intrinsics, p).head<2>());
   });
 }
