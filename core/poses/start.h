@@ -19,9 +19,9 @@ Bundle start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const 
 // triangulated).
 void place_all(const std::vector<Track>& tracks, Bundle& bundle);
 
-// Only what agrees: tracks lose observations farther off than the tolerance, or go altogether where most of them are:
-// any two agree, and two of many are what is left of a thing that moves. Gives what is left, one per point of the
-// bundle. `at_infinity`: all points are.
+// Only what agrees: tracks lose observations farther off than the tolerance, or go altogether where half of them or
+// more are: any two agree, and two of many are what is left of a thing that moves. Gives what is left, one per point of
+// the bundle. `at_infinity`: all points are.
 std::vector<Track> place_good(const std::vector<Track>& tracks, double tolerance_px, bool at_infinity, Bundle& bundle,
                               const Job& job);
 

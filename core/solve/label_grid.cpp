@@ -34,7 +34,7 @@ void PixelTerms::resize(int new_width, int new_height, bool with_positions) {
 
 size_t PixelTerms::bytes() const {
   return (cost.capacity() + floor.capacity()) * sizeof(uint16_t) + grey.capacity() + position.capacity() +
-         +solved.capacity();
+         solved.capacity();
 }
 
 void PixelTerms::take_columns(const PixelTerms& other, int from, int count, int to) {
