@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "resize.h"
 #include "sift.h"
@@ -23,22 +24,34 @@ GreyImage scaled(GreyImage grey, double scale) {
 }
 
 // Strongest first, but no cell of the picture takes more than twice its share as long as others have some to offer.
-std::vector<Keypoint> spread_out(std::vector<Keypoint> points, const GreyImage& picture, int most) {
+std::vector<Keypoint> spread_out(const Sift& sift, const GreyImage& picture, int most) {
+  std::vector<Keypoint> points = sift.extrema();
   std::stable_sort(points.begin(), points.end(),
                    [](const Keypoint& p, const Keypoint& q) { return p.response > q.response; });
   std::vector<int> taken(kBuckets * kBuckets, 0);
-  std::vector<Keypoint> kept, spare;
+  std::vector<Keypoint> kept;
+  std::vector<std::pair<Keypoint, size_t>> spare;  // extrema, and how many of their directions were taken
   const int share = std::max(1, 2 * most / (kBuckets * kBuckets));
   const auto bucket = [](double place, int size) {
     return std::clamp(static_cast<int>(place * kBuckets / size), 0, kBuckets - 1);
   };
-  for (const Keypoint& p : points) {
+  const auto enough = [&] { return kept.size() >= static_cast<size_t>(most); };
+  for (size_t i = 0; i < points.size() && !enough(); ++i) {
+    const Keypoint& p = points[i];
     const int column = bucket(p.in_picture(p.x), picture.width), row = bucket(p.in_picture(p.y), picture.height);
     int& count = taken[static_cast<size_t>(row * kBuckets + column)];
-    (count++ < share ? kept : spare).push_back(p);
+    size_t turns = 0;
+    if (count < share) {
+      const std::vector<Keypoint> turned = sift.turned(p);
+      for (; turns < turned.size() && count < share; ++turns, ++count) kept.push_back(turned[turns]);
+    }
+    if (count >= share) spare.emplace_back(p, turns);
   }
-  kept.insert(kept.end(), spare.begin(), spare.end());
-  if (kept.size() > static_cast<size_t>(most)) kept.resize(static_cast<size_t>(most));
+  for (size_t i = 0; i < spare.size() && !enough(); ++i) {
+    const std::vector<Keypoint> turned = sift.turned(spare[i].first);
+    kept.insert(kept.end(), turned.begin() + static_cast<std::ptrdiff_t>(spare[i].second), turned.end());
+  }
+  if (enough()) kept.resize(static_cast<size_t>(most));
   return kept;
 }
 
@@ -71,7 +84,7 @@ Features detect_features(const GreyPhoto& image, const FeatureOptions& options) 
   features.height = image.height;
   const double scale_x = static_cast<double>(image.width) / grey.width,
                scale_y = static_cast<double>(image.height) / grey.height;
-  for (const Keypoint& p : spread_out(sift.keypoints(), grey, options.most)) {
+  for (const Keypoint& p : spread_out(sift, grey, options.most)) {
     features.positions.emplace_back(p.in_picture(p.x) * scale_x, p.in_picture(p.y) * scale_y);
     append_rooted(sift.describe(p), features.descriptors);
   }

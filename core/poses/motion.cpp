@@ -130,6 +130,28 @@ bool move_to_sphere(const std::vector<std::string>& dropped, Bundle& bundle) {
   return true;
 }
 
+double unsteadiness(const std::vector<std::string>& dropped, const Bundle& bundle) {
+  const std::vector<Pose> cameras = posed_cameras(dropped, bundle);
+  if (cameras.size() < 2) return 0;
+  std::vector<Eigen::Vector3d> steps;  // less those of the sphere, in the camera's axes
+  for (size_t i = 1; i < cameras.size(); ++i) {
+    const Eigen::Vector3d off = cameras[i].centre - cameras[i].world_from_camera.col(2) -
+                                (cameras[i - 1].centre - cameras[i - 1].world_from_camera.col(2));
+    steps.push_back(cameras[i - 1].world_from_camera.transpose() * off);
+  }
+  Eigen::Vector3d shared;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const Eigen::Vector3d& step : steps) values.push_back(step[axis]);
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    shared[axis] = *middle;
+  }
+  double sum = 0;
+  for (const Eigen::Vector3d& step : steps) sum += (step - shared).norm();
+  return sum / static_cast<double>(steps.size());
+}
+
 void describe_motion(const MatchedSweep& sweep, Reconstruction& reconstruction) {
   reconstruction.motion =
       fit_circle(posed_cameras(reconstruction.dropped, reconstruction.bundle)).bends ? Motion::arc : Motion::straight;

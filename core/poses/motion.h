@@ -14,6 +14,10 @@ bool only_turns(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bun
 // radius 1. False, and nothing changed, when they do not go round one.
 bool move_to_sphere(const std::vector<std::string>& dropped, Bundle& bundle);
 
+// Mean distance of the cameras' steps from those that their turns would make on the sphere, in radii, apart from what
+// all steps share: how unsteady the hand was.
+double unsteadiness(const std::vector<std::string>& dropped, const Bundle& bundle);
+
 // Arc or straight, and closed.
 void describe_motion(const MatchedSweep& sweep, Reconstruction& reconstruction);
 

@@ -11,6 +11,8 @@
 #include "follow.h"
 #include "general.h"
 #include "guided.h"
+#include "lens_bends.h"
+#include "loners.h"
 #include "motion.h"
 
 namespace ldp {
@@ -38,9 +40,13 @@ constexpr int kHeld = 150;      // followed observations that a frame is content
 constexpr double kMatchedPairs = 0.2, kFollowedPairs = 0.05;  // weights of points that two photos see, in the rounds
                                                               // before the last: some move, and two photos of what
                                                               // moves agree on cameras that a third tells wrong
+constexpr double kStillHolds = 0.9;  // share of the matches explained before that a round on followed points must keep
 constexpr double kRough = 1e-4, kFine = 1e-6;  // where rounds end whose points the next places anew, and the others
-constexpr double kBends = 100;                 // variances by which free distortion must lower the cost to be believed,
-constexpr double kBendsFollowed = 60;          // and once points are followed, which leaves fewer that move
+constexpr double kLoner = 12;  // pixels of 800 of parallax that a point of two photos may differ from all around
+constexpr double kSteady[] = {0.02, 0.01, 0.02};  // sigmas of the arc prior in rounds that ask for a steadier hand
+constexpr double kSteadyHand = 1.0 / 3;           // share of what is explained that may be given for steadiness
+constexpr int kMostFollowed = 4;                  // rounds on followed points at the wider tolerance, until the focal
+constexpr double kSettledFocal = 5e-4;            // length changes by no more than this share
 
 // Frames that hang together by pairs that count: the same number for all of a group.
 std::vector<int> groups(const MatchedSweep& sweep, const std::function<bool(const PairMatches&)>& counts) {
@@ -97,6 +103,12 @@ std::vector<Track> connected(const std::vector<Track>& tracks, const std::vector
   return result;
 }
 
+std::vector<int> observations_by_frame(const Reconstruction& r) {
+  std::vector<int> held(r.dropped.size(), 0);
+  for (const BundleObservation& o : r.bundle.observations) ++held[static_cast<size_t>(o.camera)];
+  return held;
+}
+
 class Rounds {
  public:
   Rounds(const MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job) : sweep_(sweep), job_(job) {
@@ -106,28 +118,31 @@ class Rounds {
   void set_model(Model model) { options_.model = model; }
   void forget_the_arc() { least_sigma_ = kNoArc; }
   void leave_the_arc() { least_sigma_ = kFarArc; }
+  void stay_on_the_arc() { least_sigma_ = 0; }
+  bool on_an_arc() const { return least_sigma_ < kNoArc && options_.model != Model::rotation; }
+  void let_pairs_count() { pairs_count_ = true; }
 
   // Places what agrees and adjusts everything to it.
   void round(const std::vector<Track>& tracks, double tolerance, double arc_sigma, Reconstruction& r) {
     place(tracks, tolerance, r);
+    if (tolerance <= kFollowed[0] && options_.model != Model::rotation) leave_out_loners(r);
     options_.loss_px = sweep_.pixels(std::min(kLossOfTolerance * tolerance, kLargestLoss));
     options_.arc_sigma = std::max(arc_sigma, least_sigma_);
-    options_.pair_weight = tolerance == kFollowed[1] ? 1 : tolerance == kFollowed[0] ? kFollowedPairs : kMatchedPairs;
+    options_.pair_weight = pairs_count_ || tolerance == kFollowed[1] ? 1
+                           : tolerance == kFollowed[0]               ? kFollowedPairs
+                                                                     : kMatchedPairs;
     options_.settled = tolerance > kMatched[2] ? kRough : kFine;
 
     cost_ = adjust(r.bundle, options_, job_).cost;
   }
 
-  // Whether the lens bends lines, by the observations of the last round: focal length and distortion can stand in for
-  // each other in a narrow view, so distortion is freed only where that explains clearly more.
-  void decide_distortion(Reconstruction& r, double bends) {
+  // Whether the lens bends lines, by the observations of the last round.
+  void decide_distortion(Reconstruction& r, double variances) {
     if (options_.refine_distortion) return;
-    Bundle bent = r.bundle;
-    const double variance = 2 * cost_ / std::max(1.0, static_cast<double>(r.bundle.observations.size()));
+    std::optional<Bundle> bent = bent_lens(r.bundle, options_, cost_, variances, job_);
+    if (!bent) return;
+    r.bundle = std::move(*bent);
     options_.refine_distortion = true;
-    const BundleSummary summary = adjust(bent, options_, job_);
-    options_.refine_distortion = summary.usable && cost_ - summary.cost > bends * variance;
-    if (options_.refine_distortion) r.bundle = std::move(bent);
   }
 
   void place(const std::vector<Track>& tracks, double tolerance, Reconstruction& r) {
@@ -135,17 +150,35 @@ class Rounds {
   }
 
  private:
+  // Where a frame has more than a few.
+  void leave_out_loners(Reconstruction& r) const {
+    const std::vector<bool> alone = loners(r.tracks, r.bundle, sweep_.pixels(kLoner));
+    const std::vector<int> held = observations_by_frame(r);
+    std::vector<Track> kept;
+    Bundle bundle = r.bundle;
+    bundle.points.clear();
+    bundle.observations.clear();
+    for (size_t i = 0; i < alone.size(); ++i) {
+      const auto poor = [&](const Observation& o) { return held[static_cast<size_t>(o.frame)] < kHeld; };
+      if (alone[i] && std::none_of(r.tracks[i].begin(), r.tracks[i].end(), poor)) continue;
+      add_point(r.tracks[i], r.bundle.points[i], bundle);
+      kept.push_back(std::move(r.tracks[i]));
+    }
+    r.tracks = std::move(kept);
+    r.bundle = std::move(bundle);
+  }
+
   const MatchedSweep& sweep_;
   const Job& job_;
   BundleOptions options_;
+  bool pairs_count_ = false;  // as much as points that a third photo confirms
   double least_sigma_ = 0;
   double cost_ = 0;
 };
 
 // Frames that hardly anything holds are dropped, with what they see.
 void drop_unheld(Reconstruction& r) {
-  std::vector<int> held(r.dropped.size(), 0);
-  for (const BundleObservation& o : r.bundle.observations) ++held[static_cast<size_t>(o.camera)];
+  const std::vector<int> held = observations_by_frame(r);
   for (size_t i = 0; i < held.size(); ++i) {
     if (!r.dropped[i].empty() || held[i] >= kLeastInliers) continue;
     r.dropped[i] = "only " + std::to_string(held[i]) + " of its points agree with the other photos";
@@ -176,6 +209,44 @@ std::vector<Track> follow(const MatchedSweep& sweep, const Reconstruction& r, co
 // Observations that agree with the cameras.
 double explained(const MatchedSweep& sweep, const std::vector<Track>& tracks, Reconstruction r, const Job& job) {
   return static_cast<double>(observations(place_good(tracks, sweep.pixels(kMatched[2]), false, r.bundle, job)));
+}
+
+// A round on followed points. Where steps are so wide that hardly a third photo sees any, the cameras go astray if
+// those of two photos weigh little: what was matched tells so, and the round is done again with all points equal.
+void followed_round(const MatchedSweep& sweep, const std::vector<Track>& matched, double tolerance, Rounds& rounds,
+                    const Job& job, Reconstruction& r) {
+  const Reconstruction before = r;
+  rounds.round(follow(sweep, r, job), tolerance, kAboutArc, r);
+  if (explained(sweep, matched, r, job) >= kStillHolds * explained(sweep, matched, before, job)) return;
+  rounds.let_pairs_count();
+  r = before;
+  rounds.round(follow(sweep, r, job), tolerance, kAboutArc, r);
+}
+
+// The same until the focal length settles: points that a wrong one gathered leave a few at a time.
+void settle(const MatchedSweep& sweep, const std::vector<Track>& matched, Rounds& rounds, const Job& job,
+            Reconstruction& r) {
+  for (int i = 0; i < kMostFollowed; ++i) {
+    const double before = r.bundle.lens.focal_px;
+    followed_round(sweep, matched, kFollowed[0], rounds, job, r);
+    if (std::abs(std::log(r.bundle.lens.focal_px / before)) < kSettledFocal) return;
+  }
+}
+
+// What walks by between two photos agrees with a step that nobody took. Cameras are put back on their sphere and held
+// near it while what agrees with them gathers; the hand that is steadier, for what it explains, stays.
+void try_steadier_hand(const MatchedSweep& sweep, const std::vector<Track>& tracks, Rounds rounds, const Job& job,
+                       Reconstruction& result) {
+  if (!rounds.on_an_arc()) return;
+  rounds.stay_on_the_arc();
+  Reconstruction other = result;
+  for (Pose& pose : other.bundle.cameras) pose.centre = pose.world_from_camera.col(2);
+  const std::vector<Track> thin = longest_tracks(tracks, sweep.frames(), kThin);
+  for (size_t i = 0; i < std::size(kSteady); ++i)
+    rounds.round(i + 1 < std::size(kSteady) ? thin : tracks, kMatched[i], kSteady[i], other);
+  const double steadier = 1 - unsteadiness(other.dropped, other.bundle) / unsteadiness(result.dropped, result.bundle);
+  if (explained(sweep, tracks, other, job) >= (1 - kSteadyHand * steadier) * explained(sweep, tracks, result, job))
+    result = std::move(other);
 }
 
 // Cameras near their circle, unless the data overrule it.
@@ -267,11 +338,11 @@ Reconstruction reconstruct(MatchedSweep& sweep, const std::optional<FocalPrior>&
   rounds.round(tracks, kMatched[2], kAboutArc, result);
   rounds.decide_distortion(result, kBends);
   job.report("adjusting", 0.8);
-  for (const double tolerance : kFollowed) {
-    rounds.round(follow(sweep, result, job), tolerance, kAboutArc, result);
-    if (tolerance == kFollowed[0]) rounds.decide_distortion(result, kBendsFollowed);
-    job.report("adjusting", 0.9);
-  }
+  try_steadier_hand(sweep, tracks, rounds, job, result);
+  settle(sweep, tracks, rounds, job, result);
+  rounds.decide_distortion(result, kBendsFollowed);
+  job.report("adjusting", 0.9);
+  followed_round(sweep, tracks, kFollowed[1], rounds, job, result);
   drop_unheld(result);
   require(sweep, result.dropped);
   rounds.place(result.tracks, kFollowed[1], result);

@@ -1,7 +1,7 @@
 // Scale-invariant feature points (Lowe, "Distinctive image features from scale-invariant keypoints", 2004).
 //
-// Takes a grey picture; gives the points where differences of Gaussians are extreme over place and scale, with the
-// direction in which brightness changes most around them, and histograms of gradients that describe them.
+// Takes a grey picture; gives the points where differences of Gaussians are extreme over place and scale, the
+// directions in which brightness changes most around them, and histograms of gradients that describe them.
 //
 // Here and not from a library: libraries multiply and add in one rounding where a processor can. Differences of 1e-7
 // become other keypoints and matches, and poses that differ by 5e-4 of the radius between two machines. Here every
@@ -36,12 +36,21 @@ class Sift {
   // Extrema below `contrast` grey levels are left out.
   Sift(const GreyImage& picture, double contrast);
 
-  const std::vector<Keypoint>& keypoints() const { return keypoints_; }
+  // Without directions.
+  const std::vector<Keypoint>& extrema() const { return extrema_; }
+
+  // An extremum, once for each of its directions.
+  std::vector<Keypoint> turned(const Keypoint& extremum) const;
+
   Histograms describe(const Keypoint& keypoint) const;
 
  private:
+  const Plane<float>& level_of(const Keypoint& keypoint) const {
+    return octaves_[static_cast<size_t>(keypoint.octave)][static_cast<size_t>(keypoint.level) - 1];
+  }
+
   std::vector<std::array<Plane<float>, kLevels>> octaves_;  // blurred ever more
-  std::vector<Keypoint> keypoints_;
+  std::vector<Keypoint> extrema_;
 };
 
 }  // namespace ldp

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kAgreeing = 12;         // pixels of 800 within which a start explains an observation
 constexpr double kRightSide = 0.5;       // of what the best explains must others explain
+constexpr double kSurelyBeyond = -0.02;  // inverse distance of a point that is no point of a world right side out
 constexpr int kCoarsePerFrame = 50;      // observations per frame that decide between focal lengths
 constexpr double kGuess = 0.2;           // inverse distance of a point that cannot be triangulated yet
 constexpr size_t kFreed = 3;             // starts that are adjusted with free centres
@@ -47,12 +48,6 @@ std::vector<Start> best_of(std::vector<Start> candidates, size_t most) {
   return chosen;
 }
 
-void add(const Track& track, const InversePoint& point, Bundle& bundle) {
-  const int index = static_cast<int>(bundle.points.size());
-  bundle.points.push_back(point);
-  for (const Observation& o : track) bundle.observations.push_back({o.frame, index, o.position_px, o.weight});
-}
-
 // Whether most of a track's sightings, or half of them, do not agree with the others.
 bool contradicted(const std::vector<bool>& used) {
   const size_t agreeing = static_cast<size_t>(std::count(used.begin(), used.end(), true));
@@ -60,6 +55,12 @@ bool contradicted(const std::vector<bool>& used) {
 }
 
 }  // namespace
+
+void add_point(const Track& track, const InversePoint& point, Bundle& bundle) {
+  const int index = static_cast<int>(bundle.points.size());
+  bundle.points.push_back(point);
+  for (const Observation& o : track) bundle.observations.push_back({o.frame, index, o.position_px, o.weight});
+}
 
 std::vector<Track> longest_tracks(std::vector<Track> tracks, int frames, int per_frame) {
   std::stable_sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.size() > b.size(); });
@@ -87,7 +88,7 @@ void place_all(const std::vector<Track>& tracks, Bundle& bundle) {
       const Eigen::Vector3d ray = middle.camera_from_world.transpose() * middle.position.homogeneous().normalized();
       point = InversePoint{(ray + kGuess * middle.centre).normalized(), kGuess};
     }
-    add(track, *point, bundle);
+    add_point(track, *point, bundle);
   }
 }
 
@@ -117,7 +118,7 @@ std::vector<Track> place_good(const std::vector<Track>& tracks, double tolerance
       if (placed[i].used[j]) good.push_back(tracks[i][j]);
     }
     if (at_infinity) placed[i].point->inverse_distance = 0;
-    add(good, *placed[i].point, bundle);
+    add_point(good, *placed[i].point, bundle);
     kept.push_back(std::move(good));
   }
   return kept;
@@ -129,6 +130,15 @@ size_t agreeing_observations(const MatchedSweep& sweep, const std::vector<Track>
                              const Job& job) {
   place_good(tracks, sweep.pixels(kAgreeing), false, bundle, job);
   return bundle.observations.size();
+}
+
+// Those of points that do not lie beyond infinity: of a world inside out hardly any.
+size_t in_front(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle bundle, const Job& job) {
+  place_good(tracks, sweep.pixels(kAgreeing), false, bundle, job);
+  return static_cast<size_t>(
+      std::count_if(bundle.observations.begin(), bundle.observations.end(), [&](const BundleObservation& o) {
+        return bundle.points[static_cast<size_t>(o.point)].inverse_distance > kSurelyBeyond;
+      }));
 }
 
 // Without those that explain little with points in front of the cameras. Cost does not ask for that: where little
@@ -179,11 +189,11 @@ Bundle start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const 
   options.arc_sigma = kNearTheSphere;
   options.most_iterations = 30;
   Bundle best = best_start(sweep, coarse, turns, options, job);
-  const size_t agreeing = agreeing_observations(sweep, coarse, best, job);
-  if (static_cast<double>(agreeing) > kRightSide * static_cast<double>(best.observations.size())) return best;
+  const size_t right_side = in_front(sweep, coarse, best, job);
+  if (static_cast<double>(right_side) > kRightSide * static_cast<double>(best.observations.size())) return best;
   options.in_front = true;
   Bundle other = best_start(sweep, coarse, turns, options, job);
-  return agreeing_observations(sweep, coarse, other, job) > agreeing ? other : best;
+  return in_front(sweep, coarse, other, job) > right_side ? other : best;
 }
 
 }  // namespace ldp

@@ -19,6 +19,8 @@ Bundle start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const 
 // triangulated).
 void place_all(const std::vector<Track>& tracks, Bundle& bundle);
 
+void add_point(const Track& track, const InversePoint& point, Bundle& bundle);
+
 // Only what agrees: tracks lose observations farther off than the tolerance, or go altogether where half of them or
 // more are: any two agree, and two of many are what is left of a thing that moves. Gives what is left, one per point of
 // the bundle. `at_infinity`: all points are.

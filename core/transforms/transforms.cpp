@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "exact_math.h"
 #include "images.h"
 
 namespace ldp {
@@ -128,7 +129,10 @@ Pose pose_of(const Json& frame, const Fields& fields) {
   // Numbers written with few digits: back to a rotation, by the iteration R (3 I - R'R) / 2, which converges squared.
   for (int i = 0; i < 4 && skew > 1e-12; ++i) {
     const Eigen::Matrix3d r = pose.world_from_camera;
-    pose.world_from_camera = 0.5 * r * (3 * Eigen::Matrix3d::Identity() - r.transpose() * r);
+    for (int j = 0; j < 3; ++j) {
+      const Eigen::Vector3d column = 3 * Eigen::Matrix3d::Identity().col(j) - exact_transposed_product(r, r.col(j));
+      pose.world_from_camera.col(j) = 0.5 * exact_product(r, column);
+    }
   }
   return pose;
 }

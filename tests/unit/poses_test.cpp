@@ -13,8 +13,11 @@
 #include "doubts.h"
 #include "follow.h"
 #include "guided.h"
+#include "lens_bends.h"
 #include "likeness.h"
+#include "loners.h"
 #include "matches.h"
+#include "motion.h"
 #include "picture.h"
 #include "points.h"
 #include "scenes.h"
@@ -390,6 +393,96 @@ TEST(PlaceGood, LeavesOutATrackOfWhichOnlyHalfAgrees) {
   EXPECT_EQ(bundle.points.size(), 2U);
 }
 
+// Whether a lens is found to bend by so many variances: pictures of one with this k1, points found to a third of a
+// pixel.
+bool bends(double k1, double variances) {
+  Bundle bundle = true_bundle(Model::free);
+  bundle.lens = {700, 0, 0};
+  std::mt19937 random(3);
+  for (BundleObservation& o : bundle.observations) {
+    Lens lens = bundle.lens;
+    lens.k1 = k1;
+    o.position_px =
+        project_point(bundle.cameras[static_cast<size_t>(o.camera)], lens, bundle.points[static_cast<size_t>(o.point)])
+            .position_px;
+    o.position_px += Eigen::Vector2d(uniform(random, -0.5, 0.5), uniform(random, -0.5, 0.5));
+  }
+  BundleOptions options;
+  options.arc_sigma = 0.05;
+  const BundleSummary straight = adjust(bundle, options, Job{});
+  EXPECT_TRUE(straight.usable);
+  const std::optional<Bundle> bent = bent_lens(bundle, options, straight.cost, variances, Job{});
+  if (bent) {
+    EXPECT_NEAR(bent->lens.k1, k1, 0.02);
+  }
+  return bent.has_value();
+}
+
+TEST(BentLens, IsFreedWhereItExplainsClearlyMore) {
+  EXPECT_TRUE(bends(-0.05, kBends));
+  EXPECT_TRUE(bends(0.05, kBendsFollowed));
+}
+
+TEST(BentLens, StaysStraightWhereItExplainsTheNoiseALittleBetter) {
+  EXPECT_TRUE(bends(0, 0));
+  EXPECT_FALSE(bends(0, kBendsFollowed));
+  EXPECT_FALSE(bends(0, kBends));
+}
+
+// Points of a wall seen by the two cameras in the middle; the one amid them is at another inverse distance, and a third
+// camera may see it.
+std::vector<bool> loners_of_a_wall(double other, bool third) {
+  Bundle bundle = true_bundle(Model::free);
+  bundle.points.clear();
+  std::vector<Track> tracks;
+  for (int i = 0; i < 25; ++i) {
+    const Eigen::Vector3d direction =
+        bundle.cameras[3].world_from_camera * Eigen::Vector3d(0.05 * (i % 5 - 2), 0.05 * (i / 5 - 2), 1).normalized();
+    bundle.points.push_back({direction, i == 12 ? other : 0.2});
+    Track track;
+    for (int c = 3; c < (i == 12 && third ? 6 : 5); ++c) {
+      const Projection p = project_point(bundle.cameras[static_cast<size_t>(c)], bundle.lens, bundle.points.back());
+      track.push_back({c, -1, p.position_px});
+    }
+    tracks.push_back(std::move(track));
+  }
+  return loners(tracks, bundle, 5);
+}
+
+TEST(Loners, AreAsFarAsNothingAroundThem) {
+  std::vector<bool> alone = loners_of_a_wall(0.6, false);
+  EXPECT_TRUE(alone[12]);
+  EXPECT_EQ(std::count(alone.begin(), alone.end(), true), 1);
+  alone = loners_of_a_wall(0.21, false);
+  EXPECT_EQ(std::count(alone.begin(), alone.end(), true), 0);
+}
+
+TEST(Loners, AreBelievedWhereAThirdPhotoSeesThem) { EXPECT_FALSE(loners_of_a_wall(0.6, true)[12]); }
+
+TEST(Loners, BeyondInfinityAreNot) { EXPECT_TRUE(loners_of_a_wall(-0.09, true)[12]); }
+
+TEST(Loners, AreNoneWhereTheCamerasAreWrong) {
+  Bundle bundle = true_bundle(Model::free);
+  std::vector<Track> tracks;
+  for (InversePoint& point : bundle.points) {
+    tracks.push_back({{3, -1, Eigen::Vector2d::Zero()}, {4, -1, Eigen::Vector2d::Zero()}});
+    point.inverse_distance = -0.5;
+  }
+  const std::vector<bool> alone = loners(tracks, bundle, 5);
+  EXPECT_EQ(std::count(alone.begin(), alone.end(), true), 0);
+}
+
+TEST(Unsteadiness, IsThatOfTheStepsAndNotOfHowTheCameraIsHeld) {
+  Bundle bundle = true_bundle(Model::spherical);
+  const std::vector<std::string> dropped(bundle.cameras.size());
+  EXPECT_NEAR(unsteadiness(dropped, bundle), 0, 1e-12);
+  Bundle shifted = bundle;
+  for (Pose& pose : shifted.cameras) pose.centre += Eigen::Vector3d(0.3, 0.2, 0.1);
+  EXPECT_NEAR(unsteadiness(dropped, shifted), 0, 1e-12);
+  for (size_t i = 4; i < bundle.cameras.size(); ++i) bundle.cameras[i].centre.y() += 0.1;
+  EXPECT_NEAR(unsteadiness(dropped, bundle), 0.1 / static_cast<double>(bundle.cameras.size() - 1), 1e-9);
+}
+
 // A sweep whose features and matches are those of a known bundle.
 struct KnownSweep {
   MatchedSweep sweep;
@@ -562,6 +655,11 @@ TEST(EstimatePoses, PosesEveryFrameOfASyntheticSweep) {
     const Eigen::Matrix3d wanted = truth[i].pose.world_from_camera.transpose() * truth[0].pose.world_from_camera;
     EXPECT_LT(angle_deg(found, wanted), 1);
   }
+}
+
+TEST(EstimatePoses, LeavesAStraightLensStraight) {
+  EXPECT_EQ(estimated().cameras[0].intrinsics.k1, 0);
+  EXPECT_EQ(estimated().cameras[0].intrinsics.k2, 0);
 }
 
 TEST(EstimatePoses, WorldIsUprightAndOfArmsLength) {
