@@ -58,6 +58,13 @@ Window DepthSource::solved_part(const Window& window) const {
   return {window.x, first, window.width, std::max(0, last - first + 1)};
 }
 
+// Where every slot is a label, in vectors.
+void DepthSource::take_all(const uint8_t* cost, const uint8_t* grey, size_t p, PixelTerms& terms) const {
+  uint16_t* to = terms.cost.data() + p * kSlots;
+  for (int l = 0; l < kSlots; ++l) to[l] = static_cast<uint16_t>(cost[l] * units_);
+  std::copy_n(grey, kSlots, terms.grey.data() + p * kSlots);
+}
+
 void DepthSource::load(const Window& window, PixelTerms& terms) const {
   terms.resize(window.width, window.height, false);
   std::fill(terms.cost.begin(), terms.cost.end(), uint16_t{0});
@@ -74,6 +81,10 @@ void DepthSource::load(const Window& window, PixelTerms& terms) const {
       const auto p = static_cast<size_t>(x * window.height + part.y - window.y + y);
       const size_t from = static_cast<size_t>(x * part.height + y) * labels;
       terms.solved[p] = 1;
+      if (labels == kSlots) {
+        take_all(cost.data() + from, grey.data() + from, p, terms);
+        continue;
+      }
       for (size_t l = 0; l < kSlots; ++l) {
         terms.cost[p * kSlots + l] = l < labels ? static_cast<uint16_t>(cost[from + l] * units_) : kForbidden;
         terms.grey[p * kSlots + l] = grey[from + std::min(l, labels - 1)];

@@ -24,6 +24,7 @@ class DepthSource final : public GridSource {
 
  private:
   bool solved(int x, int y) const { return mask_.empty() || mask_.at(x, y) != 0; }
+  void take_all(const uint8_t* cost, const uint8_t* grey, size_t p, PixelTerms& terms) const;
   Window solved_part(const Window& window) const;
 
   const CostSource& costs_;

@@ -138,31 +138,23 @@ void spread_messages(const LabelGrid& coarse, LabelGrid& fine) {
     }
 }
 
-Energy energy_of(const LabelGrid& grid, const Smoothness& smoothness) {
+Energy energy_of_pixel(const LabelGrid& grid, const Smoothness& smoothness, int p) {
+  const int a = grid.label[static_cast<size_t>(p)];
   Energy energy;
-  for (int p = 0; p < grid.size(); ++p) {
-    const int a = grid.label[static_cast<size_t>(p)];
-    energy.data += grid.costs(p)[a];
-    for (const int direction : {kDown, kRight}) {
-      const int factor = grid.factor(p, direction);
-      if (factor == 0) continue;
-      const int q = p + grid.stride(direction);
-      energy.smoothness += grid.pair(smoothness, factor, p, a, q, grid.label[static_cast<size_t>(q)]);
-    }
+  energy.data = grid.costs(p)[a];
+  for (const int direction : {kDown, kRight}) {
+    const int factor = grid.factor(p, direction);
+    if (factor == 0) continue;
+    const int q = p + grid.stride(direction);
+    energy.smoothness += grid.pair(smoothness, factor, p, a, q, grid.label[static_cast<size_t>(q)]);
   }
   return energy;
 }
 
-Energy& Energy::operator+=(const Energy& other) {
-  data += other.data;
-  smoothness += other.smoothness;
-  return *this;
-}
-
-Energy& Energy::operator-=(const Energy& other) {
-  data -= other.data;
-  smoothness -= other.smoothness;
-  return *this;
+Energy energy_of(const LabelGrid& grid, const Smoothness& smoothness) {
+  Energy energy;
+  for (int p = 0; p < grid.size(); ++p) energy += energy_of_pixel(grid, smoothness, p);
+  return energy;
 }
 
 void set_edges(const GridSource& source, const Window& window, LabelGrid& grid) {

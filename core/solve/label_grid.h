@@ -92,11 +92,21 @@ void spread_messages(const LabelGrid& coarse, LabelGrid& fine);
 struct Energy {
   int64_t data = 0, smoothness = 0;
   int64_t total() const { return data + smoothness; }
-  Energy& operator+=(const Energy& other);
-  Energy& operator-=(const Energy& other);
+  Energy& operator+=(const Energy& other) {
+    data += other.data;
+    smoothness += other.smoothness;
+    return *this;
+  }
+  Energy& operator-=(const Energy& other) {
+    data -= other.data;
+    smoothness -= other.smoothness;
+    return *this;
+  }
 };
 
-// Energy of the labels the grid holds, all pixels and edges, floors apart.
+// Energy of the label of a pixel and of its edges down and to the right, floors apart.
+Energy energy_of_pixel(const LabelGrid& grid, const Smoothness& smoothness, int p);
+// The same of all pixels.
 Energy energy_of(const LabelGrid& grid, const Smoothness& smoothness);
 
 // A labelling problem that gives any window of itself.

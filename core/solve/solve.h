@@ -6,7 +6,8 @@
 // both labels. For colour phi is the angle between the pixel's ray and the camera's ray, labels are source frames, and
 // g is the depth label of the pixel (fixed). Energies are sums of integers, in steps fine enough that lambda times
 // truncation is about 255 of them; energy never rises between steps, and the bytes are the same at any thread count.
-// Does not read images and keeps no volume: it pulls columns from the source once a pass, from left to right.
+// Does not read images and keeps no volume: it pulls columns from the source once, from left to right, and then the
+// windows once more in which regions moved (regions.h).
 #pragma once
 
 #include <cstddef>
@@ -29,19 +30,24 @@ struct EdgeFactors {
 // fifth photo left out of the others): garden 19.63 v 19.71, redkitchen_arc 19.96 v 19.39, desk_sweep 19.59 v 19.38,
 // courtyard_360 20.52 v 20.09, apartment_dolly 16.56 v 16.20, kitchen_sideways 22.64 v 22.65.
 struct SolveOptions {
-  double lambda = 4;                  // in grey levels; lambda * truncation * largest factor <= 62
-  int truncation = 4;                 // labels, 1 .. 15
-  double contrast = 0.01;             // per grey level
-  int core_px = 128, margin_px = 16;  // windows: core_px plus margin_px on each side
-  int iterations = 8;                 // of message passing in each window, at each of four resolutions
-  int cycles = 20;                    // of expansion moves over all labels, at most; it ends where nothing moves
-  int passes = 0;  // over all windows, every second one shifted by half a window; 0 = 2 for small grids, else 1
+  double lambda = 4;                // in grey levels; lambda * truncation * largest factor <= 62
+  int truncation = 4;               // labels, 1 .. 15
+  double contrast = 0.01;           // per grey level
+  int core_px = 64, margin_px = 8;  // windows: core_px plus margin_px on each side
+  int iterations = 4;               // of message passing in each window, at each of four resolutions
+  int cycles = 1;                   // of expansion moves over all labels, at most; it ends where nothing moves
+  // Over all windows, every second one shifted by half a window. 0: one, then regions of any size move, and windows
+  // that this touched are solved again; small grids get more iterations and margin, and all windows are solved again.
+  int passes = 0;
+  int settling_cycles = 20;              // of expansion in windows that regions touched; 0: they are not solved again
   const EdgeFactors* factors = nullptr;  // nullptr: every factor is 1
 };
 
 struct SolveReport {
-  double data_energy = 0, smoothness_energy = 0;  // of the result; depth: in grey levels, colour: in degrees
-  double initial_energy = 0;                      // of the cheapest label of every pixel
+  // Of the result; depth: in grey levels, colour: in degrees. Where regions moved and no window was solved again the
+  // smoothness energy is an upper bound.
+  double data_energy = 0, smoothness_energy = 0;
+  double initial_energy = 0;  // of the cheapest label of every pixel
   int passes = 0;
   size_t peak_bytes = 0;  // of all threads
 };
@@ -61,7 +67,7 @@ struct ColourSolveOptions {
   int core_px = 128, margin_px = 16;  // as for depth
   int iterations = 8;
   int cycles = 20;
-  int passes = 0;
+  int passes = 0;  // 0: 2 on small grids, else 1
 };
 
 // Gives the source frame of every present pixel (255 where absent or unseen). Pixels without a candidate have no edges;

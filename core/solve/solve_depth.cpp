@@ -7,9 +7,10 @@ namespace ldp {
 Labelling solve_depth(const CostSource& costs, const Plane<uint8_t>& mask, const SolveOptions& options,
                       const Job& job) {
   const DepthProblem problem(costs, mask, options);
-  WindowSolve solve =
-      solve_windows(problem.source(), problem.smoothness(),
-                    {options.core_px, options.margin_px, options.iterations, options.cycles, options.passes}, job);
+  WindowSolve solve = solve_windows(
+      problem.source(), problem.smoothness(),
+      {options.core_px, options.margin_px, options.iterations, options.cycles, options.passes, options.settling_cycles},
+      job);
   const double grey_levels = problem.grey_levels_per_unit();
   Labelling result;
   result.labels = std::move(solve.slots);

@@ -66,23 +66,34 @@ bool Strip::any_solved(const Window& part) const {
   return false;
 }
 
-Energy Strip::energy(const Window& part, const uint8_t* labels) const {
+Energy Strip::column_energy(int x, const std::vector<uint8_t>& labels) const {
   Energy energy;
-  for (int x = 0; x < part.width; ++x)
-    for (int y = 0; y < part.height; ++y) {
-      const int p = (part.x + x) * terms_.height + part.y + y;
-      if (!terms_.solved[static_cast<size_t>(p)]) continue;
-      const uint8_t* label = labels + x * part.height + y;
-      energy.data += terms_.costs(p)[*label] + (terms_.floor.empty() ? 0 : terms_.floor[static_cast<size_t>(p)]);
-      const auto add_edge = [&](int q, int other, bool down) {
-        if (!terms_.solved[static_cast<size_t>(q)]) return;
-        const int factor = source_.edge_factor(column(part.x + x), part.y + y, down);
-        if (factor != 0) energy.smoothness += terms_.pair(smoothness_, factor, p, *label, q, other);
-      };
-      if (y + 1 < part.height) add_edge(p + 1, label[1], true);
-      if (x + 1 < part.width) add_edge(p + terms_.height, label[part.height], false);
-    }
+  for (size_t y = 0; y < labels.size(); ++y) {
+    const int p = x * terms_.height + static_cast<int>(y);
+    if (!terms_.solved[static_cast<size_t>(p)]) continue;
+    energy.data += terms_.costs(p)[labels[y]] + (terms_.floor.empty() ? 0 : terms_.floor[static_cast<size_t>(p)]);
+    if (y == 0 || !terms_.solved[static_cast<size_t>(p - 1)]) continue;
+    const int factor = source_.edge_factor(column(x), static_cast<int>(y) - 1, true);
+    if (factor != 0) energy.smoothness += terms_.pair(smoothness_, factor, p - 1, labels[y - 1], p, labels[y]);
+  }
   return energy;
+}
+
+int64_t Strip::seam_energy(int x, const std::vector<uint8_t>& labels, const std::vector<uint8_t>& next) const {
+  int64_t energy = 0;
+  for (size_t y = 0; y < labels.size(); ++y) {
+    const int p = x * terms_.height + static_cast<int>(y), q = p + terms_.height;
+    if (!terms_.solved[static_cast<size_t>(p)] || !terms_.solved[static_cast<size_t>(q)]) continue;
+    const int factor = source_.edge_factor(column(x), static_cast<int>(y), false);
+    if (factor != 0) energy += terms_.pair(smoothness_, factor, p, labels[y], q, next[y]);
+  }
+  return energy;
+}
+
+void Strip::clear() {
+  terms_ = {};
+  pieces_.clear();
+  pieces_.shrink_to_fit();
 }
 
 }  // namespace ldp

@@ -32,8 +32,13 @@ class Strip {
   // Whether a part holds pixels of the problem.
   bool any_solved(const Window& part) const;
 
-  // Energy of a part: its pixels, floors included, and the edges between them. Labels are the part's, by columns.
-  Energy energy(const Window& part, const uint8_t* labels) const;
+  // Energy of a column's pixels, floors included, and of the edges between them.
+  Energy column_energy(int x, const std::vector<uint8_t>& labels) const;
+  // The pair terms of the edges between columns x and x + 1.
+  int64_t seam_energy(int x, const std::vector<uint8_t>& labels, const std::vector<uint8_t>& next) const;
+
+  // Lets go of everything.
+  void clear();
 
  private:
   const GridSource& source_;

@@ -1,6 +1,7 @@
 // Solves a labelling problem of any size window by window: each window's labels are improved with everything outside
 // it held fixed, so that the energy of the whole never rises. The grid is walked through in strips of columns; of the
-// windows of a strip every second one is solved at a time, in parallel, with the same result in any order.
+// windows of a strip every second one is solved at a time, in parallel, with the same result in any order. Then regions
+// larger than windows move, and the windows that this touched are loaded and solved once more.
 #pragma once
 
 #include <cstddef>
@@ -13,11 +14,8 @@
 
 namespace ldp {
 
-struct WindowOptions {
-  int core_px = 128, margin_px = 16;
-  int iterations = 8;  // of message passing in each window, at each resolution
-  int cycles = 20;     // at most, of expansion over all slots
-  int passes = 0;      // over all windows, every second one shifted by half a window; 0 = 2 for small grids, else 1
+struct WindowOptions {  // as SolveOptions has them
+  int core_px, margin_px, iterations, cycles, passes, settling_cycles = 0;
 };
 
 struct WindowSolve {

@@ -67,14 +67,47 @@ void choose_ranges(const DisparityMap& disparity, int tolerance, DepthCodes& dep
     }
 }
 
+// Codes of disparities in one range, by a multiplication instead of a division: exact, as products of a disparity and a
+// span stay below 2^kShift.
+class Coder {
+ public:
+  explicit Coder(BlockRange range)
+      : span_(range.high - range.low), base_(15 * range.low), inverse_(span_ == 0 ? 0 : (1U << kShift) / width() + 1) {}
+
+  int span() const { return span_; }
+  int disparity(int code) const { return base_ + span_ * code; }
+
+  // The code nearest to a disparity, and whether the range holds it.
+  uint8_t nearest(int disparity) const { return code(std::clamp(above(disparity), 0, kLabels * span_ - 1)); }
+  bool holds(int disparity) const { return static_cast<unsigned>(above(disparity)) < kLabels * width(); }
+  uint8_t held(int disparity) const { return code(above(disparity)); }
+
+ private:
+  static constexpr int kShift = 22;
+  unsigned width() const { return static_cast<unsigned>(span_); }
+  int above(int disparity) const { return disparity - base_ + span_ / 2; }
+  uint8_t code(int above) const { return static_cast<uint8_t>((static_cast<unsigned>(above) * inverse_) >> kShift); }
+
+  int span_, base_;
+  unsigned inverse_;
+};
+
+// Calls use(range, x0, x1, y) for every row of every block.
+template <typename Use>
+void for_block_rows(const DepthCodes& depth, Use use) {
+  const int width = depth.codes.width, side = depth.block_px == 0 ? std::max(width, 1) : depth.block_px;
+  for (int y = 0; y < depth.codes.height; ++y)
+    for (int x = 0; x < width; x += side) use(depth.range(x, y), x, std::min(x + side, width), y);
+}
+
 void take_nearest(const DisparityMap& disparity, DepthCodes& depth) {
-  for (int y = 0; y < disparity.height; ++y)
-    for (int x = 0; x < disparity.width; ++x) {
-      const BlockRange range = depth.range(x, y);
-      const int d = disparity.at(x, y), span = range.high - range.low;
-      if (d == kNoDisparity || span == 0) continue;
-      depth.codes.at(x, y) = static_cast<uint8_t>(std::clamp((d - 15 * range.low + span / 2) / span, 0, 15));
-    }
+  for_block_rows(depth, [&](BlockRange range, int x0, int x1, int y) {
+    const Coder coder(range);
+    if (coder.span() == 0) return;
+    const uint16_t* from = disparity.row(y);
+    uint8_t* to = depth.codes.row(y);
+    for (int x = x0; x < x1; ++x) to[x] = from[x] == kNoDisparity ? uint8_t{0} : coder.nearest(from[x]);
+  });
 }
 
 // Moves codes to those of most of their neighbours.
@@ -85,15 +118,21 @@ class Voting {
         tolerance_(tolerance),
         depth_(depth),
         now_(disparity.width + 2, disparity.height + 2, kNoDisparity) {
-    for (int y = 0; y < disparity.height; ++y)
-      for (int x = 0; x < disparity.width; ++x)
-        if (disparity.at(x, y) != kNoDisparity) now_.at(x + 1, y + 1) = depth.disparity(x, y);
+    for_block_rows(depth, [&](BlockRange range, int x0, int x1, int y) {
+      const Coder coder(range);
+      const uint16_t* wanted = disparity.row(y);
+      const uint8_t* codes = depth.codes.row(y);
+      uint16_t* now = now_.row(y + 1) + 1;
+      for (int x = x0; x < x1; ++x)
+        if (wanted[x] != kNoDisparity) now[x] = static_cast<uint16_t>(coder.disparity(codes[x]));
+    });
   }
 
   void run() {
-    const int width = wanted_.width, size = width * wanted_.height;
-    for (int i = 0; i < size; ++i) vote(i % width, i / width);
-    for (int i = size; i-- > 0;) vote(i % width, i / width);
+    for (int y = 0; y < wanted_.height; ++y)
+      for (int x = 0; x < wanted_.width; ++x) vote(x, y);
+    for (int y = wanted_.height; y-- > 0;)
+      for (int x = wanted_.width; x-- > 0;) vote(x, y);
   }
 
  private:
@@ -104,21 +143,18 @@ class Voting {
     const std::array<uint16_t, 8> beside = {own[-1],       own[1],        own[-row],    own[row],
                                             own[-row - 1], own[-row + 1], own[row - 1], own[row + 1]};
     if (std::all_of(beside.begin(), beside.end(), [&](uint16_t d) { return d == *own; })) return;
-    const BlockRange range = depth_.range(x, y);
-    const int span = range.high - range.low;
-    if (span == 0) return;
+    const Coder coder(depth_.range(x, y));
+    if (coder.span() == 0) return;
     std::array<int, kLabels> votes{};
-    for (size_t k = 0; k < beside.size(); ++k) {
-      const int above = beside[k] - 15 * range.low + span / 2;
-      if (above >= 0 && above / span < kLabels) votes[static_cast<size_t>(above / span)] += k < 4 ? 3 : 2;
-    }
+    for (size_t k = 0; k < beside.size(); ++k)
+      if (coder.holds(beside[k])) votes[coder.held(beside[k])] += k < 4 ? 3 : 2;
     uint8_t& code = depth_.codes.at(x, y);
     for (int c = 0; c < kLabels; ++c) {
-      const int error = std::abs(15 * range.low + span * c - wanted_.at(x, y));
-      if (votes[static_cast<size_t>(c)] > votes[code] && error <= allowed_error(span, tolerance_))
-        code = static_cast<uint8_t>(c);
+      if (votes[static_cast<size_t>(c)] <= votes[code]) continue;
+      const int error = std::abs(coder.disparity(c) - wanted_.at(x, y));
+      if (error <= allowed_error(coder.span(), tolerance_)) code = static_cast<uint8_t>(c);
     }
-    *own = depth_.disparity(x, y);
+    *own = static_cast<uint16_t>(coder.disparity(code));
   }
 
   const DisparityMap& wanted_;

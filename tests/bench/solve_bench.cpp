@@ -22,7 +22,7 @@ struct Settings {
   bool reference = false;
   std::string save;
   int bound_iterations = 0;
-  int core_px = 128, margin_px = 16, iterations = 8, passes = 0;
+  int core_px = 64, margin_px = 8, iterations = 4, passes = 0;
   std::vector<std::string> names;
 };
 

@@ -86,12 +86,18 @@ class MessagePassing {
 
 }  // namespace
 
+constexpr int kBetweenLooks = 25;
+constexpr double kNoGain = 1e-5;
+
 double lower_bound(const LabelGrid& grid, const Smoothness& smoothness, int iterations) {
   MessagePassing passing(grid, smoothness);
-  double best = 0;
+  double best = 0, before = 0;
   for (int i = 0; i < iterations; ++i) {
     passing.sweep(true);
     best = std::max(best, passing.sweep(false));
+    if (i % kBetweenLooks != kBetweenLooks - 1) continue;
+    if (best - before < kNoGain * best) break;
+    before = best;
   }
   return best;
 }

@@ -10,7 +10,7 @@ namespace ldp {
 // From slot 0 everywhere, cycles over all slots until none changes a label. The grid's messages must be zero.
 void expand_whole_grid(LabelGrid& grid, const Smoothness& smoothness, int slots);
 
-// Lower bound of the energy of any labelling of the grid.
+// Lower bound of the energy of any labelling of the grid, after so many iterations, or fewer where it has converged.
 double lower_bound(const LabelGrid& grid, const Smoothness& smoothness, int iterations);
 
 }  // namespace ldp

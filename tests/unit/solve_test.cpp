@@ -184,6 +184,53 @@ TEST(Solve, a_ring_is_smooth_across_its_seam) {
   EXPECT_THAT(result.labels.samples, testing::Each(9));
 }
 
+// A textureless wall in a textured room: within it labels 3 and 11 cost almost the same everywhere, a random one of
+// the two a little less; at its rim, the truth, 3, shows.
+ArrayCosts wall(int w, int h, bool ring) {
+  ArrayCosts costs(w, h, 16, ring);
+  std::mt19937 random(7);
+  for (int x = 0; x < w; ++x)
+    for (int y = 0; y < h; ++y) {
+      const bool inside = x > w / 8 && x < w - w / 8 && y > h / 8 && y < h - h / 8;
+      const bool favoured = (x / 120 + y / 110) % 2 == 0;
+      for (int l = 0; l < 16; ++l) {
+        const int depth = std::min(std::abs(l - 3), inside ? std::abs(l - 11) : 16);
+        const int lure = inside && favoured == (l == 11) ? 0 : 1;
+        costs.cost[costs.index(x, y, l)] =
+            static_cast<uint8_t>(std::min(40, 10 * depth) + lure + static_cast<int>(random() % 2));
+        costs.median[costs.index(x, y, l)] = static_cast<uint8_t>(100 + random() % 4);
+      }
+    }
+  return costs;
+}
+
+TEST(Solve, a_wall_larger_than_any_window_takes_one_label) {
+  const ArrayCosts costs = wall(740, 440, true);  // a ring of an odd number of windows
+  SolveOptions options;
+  options.passes = 1;
+  const Labelling windows = solve_depth(costs, {}, options, on_threads(2));
+  EXPECT_THAT(windows.labels.samples, testing::Contains(11));
+  options.passes = 0;
+  const Labelling result = solve_depth(costs, {}, options, on_threads(2));
+  EXPECT_THAT(result.labels.samples, testing::Each(3));
+  EXPECT_LT(total(result.report), total(windows.report));
+  EXPECT_NEAR(total(result.report), formula_energy(costs, result.labels, {}, options), 0.004 * total(result.report));
+  const Labelling alone = solve_depth(costs, {}, options, on_threads(1));
+  EXPECT_EQ(total(alone.report), total(result.report));
+}
+
+TEST(Solve, gives_the_same_bytes_at_any_thread_count_where_regions_move) {
+  const ArrayCosts costs = random_costs(960, 330, 8, false, 11);
+  SolveOptions options;
+  options.iterations = 1;
+  const Labelling one = solve_depth(costs, {}, options, on_threads(1)),
+                  many = solve_depth(costs, {}, options, on_threads(8));
+  EXPECT_EQ(one.report.passes, 2);
+  EXPECT_EQ(many.labels, one.labels);
+  EXPECT_EQ(total(many.report), total(one.report));
+  EXPECT_NEAR(total(one.report), formula_energy(costs, one.labels, {}, options), 0.004 * total(one.report));
+}
+
 TEST(Solve, refuses_options_out_of_range_by_name) {
   const ArrayCosts costs = random_costs(8, 8, 4, false, 1);
   SolveOptions options;

@@ -1,0 +1,49 @@
+// What a thread needs to work on one window; kept for the next window.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "expansion.h"
+#include "job.h"
+#include "label_grid.h"
+#include "smoothness.h"
+
+namespace ldp {
+
+class WindowScratch {
+ public:
+  LabelGrid grid;  // the window, its ring folded
+
+  // Improves the grid's labels by message passing and expansion; true if they changed. The grid's energy never rises.
+  bool solve(const Smoothness& smoothness, int slots, int iterations, int cycles, const Job& job);
+
+  size_t bytes() const;
+
+ private:
+  static constexpr int kCoarseLevels = 3;
+
+  bool pass_messages(const Smoothness& smoothness, int iterations, const Job& job);
+  bool expand(const Smoothness& smoothness, int slots, int cycles, const Job& job);
+
+  std::array<LabelGrid, kCoarseLevels> coarse_;  // the window at 1/2, 1/4 ... of its resolution
+  Expansion expansion_;
+  std::vector<uint8_t> labels_;
+};
+
+class ScratchPool {
+ public:
+  std::unique_ptr<WindowScratch> take();
+  void give(std::unique_ptr<WindowScratch> scratch);
+  size_t bytes() const;
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<WindowScratch>> free_;
+};
+
+}  // namespace ldp
