@@ -52,6 +52,17 @@ struct QuadRow {
   const float *x[4], *y[4], *inverse_z[4];
 };
 
+// A quad by the indices of its corners.
+struct IndexedQuad {
+  uint16_t corner[4];
+};
+
+// What a QuadRow refers to, of quads that share vertices in any way.
+struct QuadTable {
+  Vertex vertices[4][kRowQuads];
+  float x[4][kRowQuads], y[4][kRowQuads], inverse_z[4][kRowQuads];
+};
+
 // Pixels of a picture: columns x0 .. x1, rows 0 .. y1.
 struct Clip {
   int x0, x1, y1;
@@ -85,6 +96,9 @@ struct Kernels {
 
   // out[first + i] = row[first + i] with colours[i].
   void (*interleave)(const ScreenRow& row, const Rgba* colours, int count, int first, Vertex* out);
+
+  // Quads [0, count); then the last one over again up to a multiple of 8.
+  void (*collect)(const Vertex* vertices, const IndexedQuad* quads, int count, QuadTable& out);
 
   // Of quads [first, end), both multiples of 8.
   void (*find_boxes)(const QuadRow& row, int first, int end, const Clip& clip, Boxes& out);

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "prepared_layer.h"
+#include "torn.h"
 #include "underlay.h"
 
 namespace ldp::render {
@@ -35,7 +36,8 @@ float code_step(const PanoramaGrid& grid, const DepthCodes& depth, int x, int y)
 
 PreparedLayer prepare_layer(const PanoramaGrid& grid, const Layer& layer) {
   const int columns = grid.wraps ? grid.width + 1 : grid.width;
-  PreparedLayer prepared{{Plane<float>(columns, grid.height, kAbsent), Plane<Rgba>(columns, grid.height)},
+  PreparedLayer prepared{Plane<float>(columns, grid.height, kAbsent),
+                         Plane<Rgba>(columns, grid.height),
                          {},
                          Plane<float>(columns, grid.height)};
   for (int y = 0; y < grid.height; ++y)
@@ -43,11 +45,11 @@ PreparedLayer prepare_layer(const PanoramaGrid& grid, const Layer& layer) {
       const int x = column == grid.width ? 0 : column;
       if (!layer.coverage.at(x, y)) continue;
       const uint8_t alpha = layer.alpha.empty() ? uint8_t{255} : layer.alpha.at(x, y);
-      prepared.mesh.w.at(column, y) = static_cast<float>(grid.inverse_depth(layer.depth.disparity(x, y)));
-      prepared.mesh.colour.at(column, y) = pack(layer.colour.at(x, y), alpha);
+      prepared.w.at(column, y) = static_cast<float>(grid.inverse_depth(layer.depth.disparity(x, y)));
+      prepared.colour.at(column, y) = pack(layer.colour.at(x, y), alpha);
       prepared.step.at(column, y) = code_step(grid, layer.depth, x, y);
     }
-  prepared.code_w = prepared.mesh.w;
+  prepared.code_w = prepared.w;
   return prepared;
 }
 
@@ -56,7 +58,7 @@ PreparedLayer prepare_layer(const PanoramaGrid& grid, const Layer& layer) {
 // than its code's rounding allows.
 class CodeSmoother {
  public:
-  CodeSmoother(PreparedLayer& layer, float parallax) : layer_(layer), w_(layer.mesh.w), parallax_(parallax) {
+  CodeSmoother(PreparedLayer& layer, float parallax) : layer_(layer), w_(layer.w), parallax_(parallax) {
     constexpr float kFine = 0.1F;  // share of the tear threshold's parallax below which steps do not show
     for (int y = 0; y < w_.height; ++y)
       for (int x = 0; x < w_.width; ++x)
@@ -128,9 +130,9 @@ class Builder {
 
  private:
   MeshTile build_tile(int layer, int x0, int y0) const;
-  void build_quad(MeshTile& tile, int x, int y) const;
-  void find_ranges(MeshTile& tile) const;
-  void add_surface(MeshTile& tile, const std::array<int, 4>& surface, int wanted, int x, int y) const;
+  void build_quad(MeshTile& tile, std::vector<TornQuad>& torn, int x, int y) const;
+  void copy_vertices(MeshTile& tile) const;
+  TornQuad torn_quad(const MeshTile& tile, const std::array<int, 4>& surface, int wanted, int x, int y) const;
   Corner extend(int layer, const Corner& from, int x, int y) const;
   Corner corner(int layer, int x, int y) const;
   std::array<int, 4> group(const Corners& corners) const;
@@ -158,7 +160,7 @@ Builder::Builder(const LayeredPanorama& panorama) : grid_(panorama.grid) {
 Corner Builder::corner(int layer, int x, int y) const {
   const PreparedLayer& from = layers_[static_cast<size_t>(layer)];
   const size_t i = from.step.index(x, y);
-  return {from.mesh.w.samples[i], from.code_w.samples[i], from.step.samples[i], from.mesh.colour.samples[i]};
+  return {from.w.samples[i], from.code_w.samples[i], from.step.samples[i], from.colour.samples[i]};
 }
 
 // Surfaces of a quad: the index of a corner's surface is its first corner's; -1 = absent.
@@ -194,16 +196,14 @@ Corner Builder::extend(int layer, const Corner& from, int x, int y) const {
   return best;
 }
 
-void Builder::add_surface(MeshTile& tile, const std::array<int, 4>& surface, int wanted, int x, int y) const {
+TornQuad Builder::torn_quad(const MeshTile& tile, const std::array<int, 4>& surface, int wanted, int x, int y) const {
   // Where a missing corner is extended from: its neighbours along the quad's sides, then the opposite corner.
   constexpr std::array<std::array<size_t, 3>, 4> kNeighbours = {{{1, 2, 3}, {0, 3, 2}, {3, 0, 1}, {2, 1, 0}}};
   TornQuad quad;
-  quad.x_in_tile = static_cast<uint8_t>(x - tile.x0);
-  quad.y_in_tile = static_cast<uint8_t>(y - tile.y0);
+  const auto at = [&](size_t k) {
+    return corner(tile.layer, x + static_cast<int>(k & 1), y + static_cast<int>(k >> 1));
+  };
   for (size_t i = 0; i < 4; ++i) {
-    const auto at = [&](size_t k) {
-      return corner(tile.layer, x + static_cast<int>(k & 1), y + static_cast<int>(k >> 1));
-    };
     Corner c = at(i);
     if (surface[i] != wanted) {
       size_t source = 0;
@@ -211,14 +211,14 @@ void Builder::add_surface(MeshTile& tile, const std::array<int, 4>& surface, int
       const size_t k = kNeighbours[i][source];
       c = extend(tile.layer, at(k), x + static_cast<int>(i & 1), y + static_cast<int>(i >> 1));
     }
-    quad.w[i] = c.w;
-    quad.colour[i] = c.colour;
-    quad.soft |= alpha_of(c.colour) != 255;
+    const auto x_in_tile = static_cast<size_t>(x - tile.x0) + (i & 1);
+    const auto y_in_tile = static_cast<size_t>(y - tile.y0) + (i >> 1);
+    quad.corners[i] = {static_cast<uint8_t>(x_in_tile), static_cast<uint8_t>(y_in_tile), c.w, c.colour};
   }
-  tile.torn.push_back(quad);
+  return quad;
 }
 
-void Builder::build_quad(MeshTile& tile, int x, int y) const {
+void Builder::build_quad(MeshTile& tile, std::vector<TornQuad>& torn, int x, int y) const {
   Corners c;
   for (int i = 0; i < 4; ++i) c[static_cast<size_t>(i)] = corner(tile.layer, x + (i & 1), y + (i >> 1));
   const std::array<int, 4> surface = group(c);
@@ -229,10 +229,21 @@ void Builder::build_quad(MeshTile& tile, int x, int y) const {
     return;
   }
   for (int s = 0; s < 4; ++s)
-    if (surface[static_cast<size_t>(s)] == s) add_surface(tile, surface, s, x, y);
+    if (surface[static_cast<size_t>(s)] == s) torn.push_back(torn_quad(tile, surface, s, x, y));
 }
 
-void Builder::find_ranges(MeshTile& tile) const {
+void Builder::copy_vertices(MeshTile& tile) const {
+  const PreparedLayer& from = layers_[static_cast<size_t>(tile.layer)];
+  tile.w.assign(kTileVertices * kTileVertices, kAbsent);
+  tile.colour.assign(kTileVertices * kTileVertices, 0);
+  for (int y = 0; y < std::min(kTileVertices, from.w.height - tile.y0); ++y)
+    for (int x = 0; x < std::min(kTileVertices, from.w.width - tile.x0); ++x) {
+      tile.w[MeshTile::index(x, y)] = from.w.at(tile.x0 + x, tile.y0 + y);
+      tile.colour[MeshTile::index(x, y)] = from.colour.at(tile.x0 + x, tile.y0 + y);
+    }
+}
+
+void find_ranges(MeshTile& tile, const std::vector<TornQuad>& torn) {
   std::fill_n(tile.cell_w_min, kCells, INFINITY);
   std::fill_n(tile.cell_w_max, kCells, kAbsent);
   const auto include = [&](int x_in_tile, int y_in_tile, float w) {
@@ -240,28 +251,16 @@ void Builder::find_ranges(MeshTile& tile) const {
     tile.cell_w_min[cell] = std::min(tile.cell_w_min[cell], w);
     tile.cell_w_max[cell] = std::max(tile.cell_w_max[cell], w);
   };
-  const Plane<float>& w = layers_[static_cast<size_t>(tile.layer)].mesh.w;
   for (int y = 0; y < kTilePx; ++y)
     for (uint32_t bits = tile.solid[y]; bits != 0; bits &= bits - 1) {
       const int x = std::countr_zero(bits);
-      for (int k = 0; k < 4; ++k) include(x, y, w.at(tile.x0 + x + (k & 1), tile.y0 + y + (k >> 1)));
+      for (int k = 0; k < 4; ++k) include(x, y, tile.w[MeshTile::index(x + (k & 1), y + (k >> 1))]);
     }
-  for (const TornQuad& quad : tile.torn)
-    for (const float corner_w : quad.w) include(quad.x_in_tile, quad.y_in_tile, corner_w);
+  for (const TornQuad& quad : torn)
+    for (const TornVertex& corner : quad.corners)
+      include(quad.corners[0].x_in_tile, quad.corners[0].y_in_tile, corner.w);
   tile.w_min = *std::min_element(tile.cell_w_min, tile.cell_w_min + kCells);
   tile.w_max = *std::max_element(tile.cell_w_max, tile.cell_w_max + kCells);
-}
-
-void sort_torn(MeshTile& tile) {
-  const auto group = [](const TornQuad& q) { return (q.soft ? kCells : 0) + cell_of(q.x_in_tile, q.y_in_tile); };
-  std::stable_sort(tile.torn.begin(), tile.torn.end(),
-                   [&](const TornQuad& a, const TornQuad& b) { return group(a) < group(b); });
-  static_assert(4 * kTilePx * kTilePx <= std::numeric_limits<uint16_t>::max());
-  size_t end = 0;
-  for (int i = 0; i < 2 * kCells; ++i) {
-    while (end < tile.torn.size() && group(tile.torn[end]) == i) ++end;
-    tile.torn_end[i] = static_cast<uint16_t>(end);
-  }
 }
 
 MeshTile Builder::build_tile(int layer, int x0, int y0) const {
@@ -271,24 +270,25 @@ MeshTile Builder::build_tile(int layer, int x0, int y0) const {
   tile.y0 = y0;
   const int x1 = std::min(x0 + kTilePx, grid_.wraps ? grid_.width : grid_.width - 1);
   const int y1 = std::min(y0 + kTilePx, grid_.height - 1);
+  std::vector<TornQuad> torn;
   for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x) build_quad(tile, x, y);
-  find_ranges(tile);
-  sort_torn(tile);
+    for (int x = x0; x < x1; ++x) build_quad(tile, torn, x, y);
+  if (std::any_of(std::begin(tile.solid), std::end(tile.solid), [](uint32_t row) { return row != 0; }))
+    copy_vertices(tile);
+  find_ranges(tile, torn);
+  store_torn(std::move(torn), tile);
   return tile;
 }
 
 Mesh Builder::build() {
   Mesh mesh;
+  mesh.layers = static_cast<int>(layers_.size());
   for (int layer = 0; layer < static_cast<int>(layers_.size()); ++layer)
     for (int y0 = 0; y0 + 1 < grid_.height; y0 += kTilePx)
       for (int x0 = 0; x0 < (grid_.wraps ? grid_.width : grid_.width - 1); x0 += kTilePx) {
         MeshTile tile = build_tile(layer, x0, y0);
-        const bool any =
-            std::any_of(std::begin(tile.solid), std::end(tile.solid), [](uint32_t row) { return row != 0; });
-        if (any || !tile.torn.empty()) mesh.tiles.push_back(std::move(tile));
+        if (!tile.w.empty() || !tile.torn.empty()) mesh.tiles.push_back(std::move(tile));
       }
-  for (PreparedLayer& layer : layers_) mesh.layers.push_back(std::move(layer.mesh));
   return mesh;
 }
 

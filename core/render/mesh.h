@@ -20,7 +20,8 @@
 
 namespace ldp::render {
 
-constexpr int kTilePx = kRowQuads;  // quads per tile side; a row of a tile is one 32-bit mask
+constexpr int kTilePx = kRowQuads;          // quads per tile side; a row of a tile is one 32-bit mask
+constexpr int kTileVertices = kTilePx + 1;  // vertices per tile side
 
 inline Rgba pack(Rgb c, uint8_t a) {
   return static_cast<Rgba>(c.r) | static_cast<Rgba>(c.g) << 8 | static_cast<Rgba>(c.b) << 16 |
@@ -28,19 +29,14 @@ inline Rgba pack(Rgb c, uint8_t a) {
 }
 inline uint32_t alpha_of(Rgba c) { return c >> 24; }
 
-// One column wider than the panorama if that wraps: the last one is the first one again.
-struct MeshLayer {
-  Plane<float> w;  // inverse depth; kAbsent where the layer is not present
-  Plane<Rgba> colour;
-};
-constexpr float kAbsent = -1;
+constexpr float kAbsent = -1;  // inverse depth where a layer is not present
 
-// A quad of a torn place: corners in the order (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1).
-struct TornQuad {
+// A vertex of a torn place.
+struct TornVertex {
   uint8_t x_in_tile = 0, y_in_tile = 0;
-  bool soft = false;  // some corner is not opaque
-  float w[4] = {};
-  Rgba colour[4] = {};
+  float w = 0;
+  Rgba colour = 0;
+  bool operator==(const TornVertex&) const = default;
 };
 
 // A tile's quads in squares of kCellPx, row by row: what is skipped together when something nearer hides it.
@@ -54,14 +50,24 @@ struct MeshTile {
   float cell_w_min[kCells], cell_w_max[kCells];  // of all corners of its quads; of a cell without quads w_max < w_min
   uint32_t solid[kTilePx] = {};                  // bit i of solid[j]: quad (x0 + i, y0 + j) is solid and opaque
 
-  // Opaque ones of cell 0, of cell 1 and so on, then soft ones of cell 0 and so on; torn_end[i] of the i-th of these.
-  std::vector<TornQuad> torn;
-  uint16_t torn_end[2 * kCells] = {};
+  // Of vertices (x0 + i, y0 + j), i and j up to kTilePx, row by row: what is drawn together lies together. Empty if no
+  // quad is solid.
+  std::vector<float> w;
+  std::vector<Rgba> colour;
+  static size_t index(int x_in_tile, int y_in_tile) {
+    return static_cast<size_t>(y_in_tile * kTileVertices + x_in_tile);
+  }
+
+  // Opaque ones of cell 0, of cell 1 and so on, then soft ones of cell 0 and so on; quads of the i-th of these end at
+  // torn_end[i] and share vertices, which end at torn_vertices_end[i]. A soft quad has a corner that is not opaque.
+  std::vector<kernels::IndexedQuad> torn;
+  std::vector<TornVertex> torn_vertices;
+  uint16_t torn_end[2 * kCells] = {}, torn_vertices_end[2 * kCells] = {};
 };
 
 struct Mesh {
-  std::vector<MeshLayer> layers;  // the panorama's, then the underlay (underlay.h)
-  std::vector<MeshTile> tiles;    // layer by layer, only those with a quad
+  int layers = 0;               // the panorama's, then the underlay (underlay.h)
+  std::vector<MeshTile> tiles;  // layer by layer, only those with a quad
 };
 
 Mesh build_mesh(const LayeredPanorama& panorama);

@@ -6,8 +6,10 @@
 
 namespace ldp::render {
 
+// One column wider than the panorama if that wraps: the last one is the first one again.
 struct PreparedLayer {
-  MeshLayer mesh;
+  Plane<float> w;  // inverse depth; kAbsent where the layer is not present
+  Plane<Rgba> colour;
   Plane<float> code_w;  // inverse depth exactly as coded, for telling surfaces apart
   Plane<float> step;    // difference of inverse depth between neighbouring codes
 };

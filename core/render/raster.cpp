@@ -153,8 +153,7 @@ Span span_of(uint32_t visible_cells, int y_in_tile) {
 
 class SolidPainter {
  public:
-  SolidPainter(const Mesh& mesh, const ViewFrustum& frustum, StripTarget& target)
-      : mesh_(mesh), frustum_(frustum), painter_(target) {}
+  SolidPainter(const ViewFrustum& frustum, StripTarget& target) : frustum_(frustum), painter_(target) {}
 
   void paint(const MeshTile& tile, uint32_t visible_cells) {
     for (int y = 0; y < kTilePx; y += kCellPx)
@@ -184,100 +183,87 @@ class SolidPainter {
   }
 
   void project(const MeshTile& tile, int y, const Span& span) {
-    const Plane<float>& w = mesh_.layers[static_cast<size_t>(tile.layer)].w;
     VertexRow& row = rows_[y & 1];
-    const int x = tile.x0 + span.first;
     row.first = span.first;
-    row.count = std::min(span.end - span.first + 1, w.width - x);
+    row.count = span.end - span.first + 1;
     row.interleaved = false;
-    prefetch(tile, y + kAhead, span);
-    frustum_.project_row(x, tile.y0 + y, row.count, &w.at(x, tile.y0 + y), row.first, row.numbers);
-  }
-
-  // Rows of a tile are far apart in memory.
-  static constexpr int kAhead = 3;
-  void prefetch(const MeshTile& tile, int y, const Span& span) const {
-    const MeshLayer& layer = mesh_.layers[static_cast<size_t>(tile.layer)];
-    if (tile.y0 + y >= layer.w.height) return;
-    constexpr int kLinePx = 16;
-    const size_t begin = layer.w.index(tile.x0 + span.first, tile.y0 + y);
-    for (int x = 0; x <= span.end - span.first; x += kLinePx) {
-      __builtin_prefetch(&layer.w.samples[begin] + x);
-      __builtin_prefetch(&layer.colour.samples[begin] + x);
-    }
+    frustum_.project_row(tile.x0 + span.first, tile.y0 + y, row.count, &tile.w[MeshTile::index(span.first, y)],
+                         row.first, row.numbers);
   }
 
   void add_colours(const MeshTile& tile, int y) {
     VertexRow& row = rows_[y & 1];
-    row.add_colours(&mesh_.layers[static_cast<size_t>(tile.layer)].colour.at(tile.x0 + row.first, tile.y0 + y));
+    row.add_colours(&tile.colour[MeshTile::index(row.first, y)]);
   }
 
-  const Mesh& mesh_;
   const ViewFrustum& frustum_;
   RowPainter<draw_opaque> painter_;
   VertexRow rows_[2];
 };
 
-// Draws torn quads some at a time: corner k of all of them, then corner k + 1.
 template <void draw(StripTarget&, int, int, const Fragment&)>
 class TornPainter {
  public:
   TornPainter(const ViewFrustum& frustum, StripTarget& target) : frustum_(frustum), painter_(target) {
     for (int k = 0; k < 4; ++k) {
-      row_.vertices[k] = screen_.vertices + k * kBatch;
-      row_.x[k] = screen_.numbers.x + k * kBatch;
-      row_.y[k] = screen_.numbers.y + k * kBatch;
-      row_.inverse_z[k] = screen_.numbers.inverse_z + k * kBatch;
+      row_.vertices[k] = table_.vertices[k];
+      row_.x[k] = table_.x[k];
+      row_.y[k] = table_.y[k];
+      row_.inverse_z[k] = table_.inverse_z[k];
     }
-    screen_.count = kTilePx;
   }
 
   // The soft ones of a tile or the others, in its visible cells.
   void paint(const MeshTile& tile, bool soft, uint32_t visible_cells) {
-    int count = 0;
-    for (uint32_t cells = visible_cells; cells != 0; cells &= cells - 1) {
-      const int group = std::countr_zero(cells) + (soft ? kCells : 0);
-      for (size_t i = group > 0 ? tile.torn_end[group - 1] : 0; i < tile.torn_end[group]; ++i) {
-        quads_[count++] = &tile.torn[i];
-        if (count == kBatch) paint_some(tile, std::exchange(count, 0));
-      }
+    if (vertices_.size() < tile.torn_vertices.size()) vertices_.resize(tile.torn_vertices.size());
+    const auto end_before = [](const uint16_t(&ends)[2 * kCells], int group) {
+      return group > 0 ? int{ends[group - 1]} : 0;
+    };
+    for (uint32_t cells = visible_cells; cells != 0;) {
+      const int cell = std::countr_zero(cells), run = std::countr_one(cells >> cell);
+      const int first = cell + (soft ? kCells : 0), end = first + run;
+      project(tile, end_before(tile.torn_vertices_end, first), end_before(tile.torn_vertices_end, end));
+      paint_quads(tile, end_before(tile.torn_end, first), end_before(tile.torn_end, end));
+      cells &= ~(((1U << run) - 1) << cell);
     }
-    if (count > 0) paint_some(tile, count);
   }
 
  private:
-  static constexpr int kBatch = kTilePx / 4;
-
-  void paint_some(const MeshTile& tile, int count) {
-    project(tile, count);
-    painter_.paint(row_, 0, kBatch, (1U << count) - 1, tile.layer > 0, [&] {
-      for (int k = 0; k < 4; ++k)
-        for (int i = 0; i < count; ++i) colours_[k * kBatch + i] = quads_[i]->colour[k];
-      screen_.add_colours(colours_);
-    });
+  void project(const MeshTile& tile, int first, int end) {
+    for (; first < end; first += kTilePx) project_some(tile, first, std::min(kTilePx, end - first));
   }
 
-  void project(const MeshTile& tile, int count) {
+  void project_some(const MeshTile& tile, int first, int count) {
     int x[kTilePx], y[kTilePx];
     float w[kTilePx];
-    for (int i = 0; i < kBatch; ++i) {
-      const TornQuad& quad = *quads_[std::min(i, count - 1)];
-      for (int k = 0; k < 4; ++k) {
-        x[k * kBatch + i] = tile.x0 + quad.x_in_tile + (k & 1);
-        y[k * kBatch + i] = tile.y0 + quad.y_in_tile + (k >> 1);
-        w[k * kBatch + i] = quad.w[k];
-      }
+    Rgba colours[kTilePx];
+    for (int i = 0; i < count; ++i) {
+      const TornVertex& vertex = tile.torn_vertices[static_cast<size_t>(first + i)];
+      x[i] = tile.x0 + vertex.x_in_tile;
+      y[i] = tile.y0 + vertex.y_in_tile;
+      w[i] = vertex.w;
+      colours[i] = vertex.colour;
     }
-    frustum_.project_scattered(kTilePx, x, y, w, screen_.numbers);
-    screen_.interleaved = false;
+    ScreenRow screen;
+    frustum_.project_scattered(count, x, y, w, screen);
+    kernels_.interleave(screen, colours, count, 0, &vertices_[static_cast<size_t>(first)]);
   }
 
+  void paint_quads(const MeshTile& tile, int first, int end) {
+    for (; first < end; first += kRowQuads) {
+      const int count = std::min(kRowQuads, end - first);
+      kernels_.collect(vertices_.data(), &tile.torn[static_cast<size_t>(first)], count, table_);
+      const auto wanted = static_cast<uint32_t>((uint64_t{1} << count) - 1);
+      painter_.paint(row_, 0, (count + 7) / 8 * 8, wanted, tile.layer > 0, [] {});
+    }
+  }
+
+  const kernels::Kernels& kernels_ = kernels::best();
   const ViewFrustum& frustum_;
   RowPainter<draw> painter_;
-  VertexRow screen_;
+  std::vector<Vertex> vertices_;  // of a tile, those of its visible cells on the screen
+  kernels::QuadTable table_;
   QuadRow row_;
-  const TornQuad* quads_[kBatch];
-  Rgba colours_[kTilePx] = {};
 };
 
 }  // namespace
@@ -292,18 +278,18 @@ void StripTarget::clear(int strip_x0, int strip_width, int strip_height) {
   soft.clear();
 }
 
-void draw(const Mesh& mesh, const std::vector<const MeshTile*>& tiles, const ViewFrustum& frustum,
-          StripTarget& target) {
+void draw(const std::vector<const MeshTile*>& tiles, const ViewFrustum& frustum, StripTarget& target) {
   const Window window = frustum.window(target.x0, target.x0 + target.width);
   std::vector<const MeshTile*> seen;
   for (const MeshTile* tile : tiles)
     if (frustum.sees(*tile, window)) seen.push_back(tile);
-  std::optional<Occlusion> occlusion;  // by the layers before
+  std::optional<Occlusion> occlusion;  // by the strip and the layers before
   int layer = 0;
+  if (!frustum.distorts()) occlusion.emplace(target);
   const auto visible_cells = [&](const MeshTile& tile) {
     return occlusion ? occlusion->visible_cells(frustum.bounds(tile)) : kAllCells;
   };
-  SolidPainter solid(mesh, frustum, target);
+  SolidPainter solid(frustum, target);
   TornPainter<draw_opaque> torn(frustum, target);
   for (const MeshTile* tile : seen) {
     if (tile->layer != std::exchange(layer, tile->layer) && !frustum.distorts()) occlusion.emplace(target);

@@ -29,7 +29,7 @@ struct StripTarget {
   }
 };
 
-void draw(const Mesh& mesh, const std::vector<const MeshTile*>& tiles, const ViewFrustum& frustum, StripTarget& target);
+void draw(const std::vector<const MeshTile*>& tiles, const ViewFrustum& frustum, StripTarget& target);
 
 // A pixel's surfaces over each other: colour not multiplied by alpha, inverse z of the surface at which opacity passes
 // one half.

@@ -88,7 +88,7 @@ View Renderer::render(const Camera& camera, const RenderOptions& options, const 
   if (options.depth || options.fill != Fill::none) inverse_z = Plane<float>(k.width, k.height);
   const render::ViewFrustum frustum(prepared_->grid, camera);
   const render::Window window = frustum.window(0, k.width);
-  const auto all = static_cast<int>(prepared_->mesh.layers.size());
+  const auto all = prepared_->mesh.layers;
   const int drawn = options.layers < all - 1 ? options.layers : all;  // the underlay lies behind the last layer
   std::vector<const render::MeshTile*> tiles;
   for (const render::MeshTile& tile : prepared_->mesh.tiles)
@@ -97,7 +97,7 @@ View Renderer::render(const Camera& camera, const RenderOptions& options, const 
   parallel_for(job, strips, [&](int i) {
     auto strip = prepared_->take_strip();
     strip->clear(i * kStripPx, std::min(kStripPx, k.width - i * kStripPx), k.height);
-    render::draw(prepared_->mesh, tiles, frustum, *strip);
+    render::draw(tiles, frustum, *strip);
     store(*strip, view, inverse_z);
     prepared_->give_back(std::move(strip));
   });

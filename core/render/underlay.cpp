@@ -15,17 +15,17 @@ struct Step {
 };
 
 void copy(const PreparedLayer& source, size_t from, PreparedLayer& target, size_t to) {
-  target.mesh.w.samples[to] = source.mesh.w.samples[from];
+  target.w.samples[to] = source.w.samples[from];
   target.code_w.samples[to] = source.code_w.samples[from];
-  target.mesh.colour.samples[to] = source.mesh.colour.samples[from];
+  target.colour.samples[to] = source.colour.samples[from];
   target.step.samples[to] = source.step.samples[from];
 }
 
 PreparedLayer deepest_of(const std::vector<PreparedLayer>& layers) {
   PreparedLayer deepest = layers[0];
   for (size_t k = 1; k < layers.size(); ++k)
-    for (size_t i = 0; i < deepest.mesh.w.samples.size(); ++i) {
-      const float w = layers[k].mesh.w.samples[i], so_far = deepest.mesh.w.samples[i];
+    for (size_t i = 0; i < deepest.w.samples.size(); ++i) {
+      const float w = layers[k].w.samples[i], so_far = deepest.w.samples[i];
       if (w >= 0 && (so_far < 0 || w < so_far)) copy(layers[k], i, deepest, i);
     }
   return deepest;
@@ -37,12 +37,12 @@ class Grower {
       : deepest_(std::move(deepest)),
         wraps_(wraps),
         parallax_(parallax),
-        columns_(wraps ? deepest_.mesh.w.width - 1 : deepest_.mesh.w.width),
-        asked_in_(deepest_.mesh.w.width, deepest_.mesh.w.height, 0) {}
+        columns_(wraps ? deepest_.w.width - 1 : deepest_.w.width),
+        asked_in_(deepest_.w.width, deepest_.w.height, 0) {}
 
   PreparedLayer grow() {
     PreparedLayer underlay = deepest_;
-    std::fill(underlay.mesh.w.samples.begin(), underlay.mesh.w.samples.end(), kAbsent);
+    std::fill(underlay.w.samples.begin(), underlay.w.samples.end(), kAbsent);
     std::fill(underlay.code_w.samples.begin(), underlay.code_w.samples.end(), kAbsent);
     std::vector<size_t> asked = all_pixels();
     for (int i = 1; i <= kReachPx; ++i) {
@@ -57,9 +57,9 @@ class Grower {
  private:
   std::vector<size_t> all_pixels() const {
     std::vector<size_t> pixels;
-    pixels.reserve(deepest_.mesh.w.samples.size());
-    for (int y = 0; y < deepest_.mesh.w.height; ++y)
-      for (int x = 0; x < columns_; ++x) pixels.push_back(deepest_.mesh.w.index(x, y));
+    pixels.reserve(deepest_.w.samples.size());
+    for (int y = 0; y < deepest_.w.height; ++y)
+      for (int x = 0; x < columns_; ++x) pixels.push_back(deepest_.w.index(x, y));
     return pixels;
   }
 
@@ -89,7 +89,7 @@ class Grower {
   template <typename Use>
   void for_neighbours(size_t pixel, Use use) const {
     constexpr std::array<std::array<int, 2>, 4> kNeighbours = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
-    const Plane<float>& w = deepest_.mesh.w;
+    const Plane<float>& w = deepest_.w;
     const auto width = static_cast<size_t>(w.width);
     const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
     for (const auto& [dx, dy] : kNeighbours) {
@@ -100,7 +100,7 @@ class Grower {
 
   // The pixel itself when there is none.
   size_t deeper_neighbour(size_t own) const {
-    const Plane<float>& w = deepest_.mesh.w;
+    const Plane<float>& w = deepest_.w;
     size_t best = own;
     for_neighbours(own, [&](size_t n) {
       if (w.samples[n] >= 0 && w.samples[n] < w.samples[best] && !same_surface(own, n)) best = n;

@@ -19,12 +19,13 @@ float largest_r2(const Intrinsics& k) {
 
 }  // namespace
 
-ViewFrustum::ViewFrustum(const PanoramaGrid& grid, const Camera& camera) : intrinsics_(camera.intrinsics) {
+ViewFrustum::ViewFrustum(const PanoramaGrid& grid, const Camera& camera)
+    : intrinsics_(camera.intrinsics), last_column_(grid.width) {
   const Eigen::Matrix3d camera_from_world = camera.pose.world_from_camera.transpose();
   const Eigen::Vector3d n = camera_from_world * grid.arc.axis();
   nx_ = static_cast<float>(n.x()), ny_ = static_cast<float>(n.y()), nz_ = static_cast<float>(n.z());
   const size_t columns = static_cast<size_t>(grid.width) + 1;
-  for (auto* table : {&ax_, &ay_, &az_, &bx_, &by_, &bz_, &b_length_}) table->resize(columns);
+  for (auto* table : {&ax_, &ay_, &az_, &bx_, &by_, &bz_, &b_length_}) table->resize(columns + kTilePx);
   for (size_t x = 0; x < columns; ++x) {
     const size_t ray = grid.wraps && x + 1 == columns ? 0 : x;
     const double theta = grid.theta(static_cast<double>(ray) + 0.5);
@@ -66,7 +67,7 @@ Window ViewFrustum::window(int column_begin, int column_end) const {
 }
 
 bool ViewFrustum::sees(const MeshTile& tile, const Window& window) const {
-  const int last_column = static_cast<int>(ax_.size()) - 1, last_row = static_cast<int>(v_.size()) - 1;
+  const int last_column = last_column_, last_row = static_cast<int>(v_.size()) - 1;
   const size_t xs[2] = {static_cast<size_t>(tile.x0), static_cast<size_t>(std::min(tile.x0 + kTilePx, last_column))};
   const size_t ys[2] = {static_cast<size_t>(tile.y0), static_cast<size_t>(std::min(tile.y0 + kTilePx, last_row))};
   bool left = true, right = true, above = true, below = true, behind = true;
@@ -101,7 +102,8 @@ CellBounds ViewFrustum::bounds(const MeshTile& tile) const {
     out.x0[i] = out.y0[i] = z_min[i] = INFINITY;
     out.x1[i] = out.y1[i] = -INFINITY;
   }
-  const size_t last_column = ax_.size() - 1, last_row = v_.size() - 1;
+  const auto last_column = static_cast<size_t>(last_column_);
+  const size_t last_row = v_.size() - 1;
   for (int corner = 0; corner < 4; ++corner) {
     float ax[kCells], ay[kCells], az[kCells], bx[kCells], by[kCells], bz[kCells];
     for (int i = 0; i < kCells; ++i) {

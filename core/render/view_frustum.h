@@ -47,8 +47,9 @@ class ViewFrustum {
  private:
   const kernels::Kernels& kernels_ = kernels::best();
   Intrinsics intrinsics_;
+  int last_column_;
   kernels::Lens lens_{};
-  // Columns 0 .. width; column width is column 0 again when the panorama wraps.
+  // Columns 0 .. width, with room for whole tiles; column width is column 0 again when the panorama wraps.
   std::vector<float> ax_, ay_, az_, bx_, by_, bz_, b_length_, v_;
   float nx_ = 0, ny_ = 0, nz_ = 0;
   float bulge_ = 0, cell_bulge_ = 0;  // how far an arc of a tile's, of a cell's width rises over its chord, in radii

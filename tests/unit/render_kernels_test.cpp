@@ -146,6 +146,31 @@ TEST(RenderKernelsAtHand, give_the_same_bytes_as_the_plain_ones) {
   }
 }
 
+TEST(RenderKernelsAtHand, collect_the_corners_that_indices_name_at_every_number_of_quads) {
+  std::mt19937 random(4);
+  std::vector<Vertex> vertices(100);
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    const auto number = static_cast<float>(i);
+    vertices[i] = {number, number + 1000, number + 2000, static_cast<Rgba>(random())};
+  }
+  std::vector<IndexedQuad> quads(kRowQuads);
+  for (IndexedQuad& quad : quads)
+    for (uint16_t& corner : quad.corner) corner = static_cast<uint16_t>(random() % vertices.size());
+  for (int count = 1; count <= kRowQuads; ++count) {
+    QuadTable table;
+    best().collect(vertices.data(), quads.data(), count, table);
+    for (int i = 0; i < (count + 7) / 8 * 8; ++i)
+      for (int k = 0; k < 4; ++k) {
+        const Vertex& named = vertices[quads[static_cast<size_t>(std::min(i, count - 1))].corner[k]];
+        ASSERT_EQ(table.x[k][i], named.x) << count << ", " << i;
+        ASSERT_EQ(table.y[k][i], named.y);
+        ASSERT_EQ(table.inverse_z[k][i], named.inverse_z);
+        ASSERT_EQ(table.vertices[k][i].x, named.x);
+        ASSERT_EQ(table.vertices[k][i].colour, named.colour);
+      }
+  }
+}
+
 TEST(RenderKernelsAtHand, project_the_same_at_every_number_of_vertices) {
   std::mt19937 random(3);
   const auto number = [&](double low, double high) {
