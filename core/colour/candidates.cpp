@@ -46,16 +46,17 @@ void SourceCandidates::find_facing(int x) {
 SourceCandidates::Seen SourceCandidates::look(size_t frame, double x_px, double y_px, double inverse_z,
                                               bool through) const {
   const UprightFrame& upright = frames_[frame];
-  if (!(x_px >= 0.5 && x_px < upright.camera.width - 0.5)) return {};
   const auto column = static_cast<size_t>(x_px);
   if (y_px < upright.valid_begin[column] + 0.5 || y_px >= upright.valid_end[column] - 0.5) return {};
   if (!visibility_ || through) return {true, false};
   const VisibilityMap& map = (*visibility_)[frame];
   const int limit = static_cast<int>(inverse_z / map.scale) + map.tolerance;
+  const auto in_map = [&](double position_px, int size) {
+    const double place = map.shrink == 1 ? position_px : position_px / map.shrink;
+    return std::clamp(static_cast<int>(place), 0, size - 1);
+  };
   const auto nearest = [&](double x, double y) {
-    const int row = std::clamp(static_cast<int>(y / map.shrink), 0, map.inverse_z.width - 1);
-    const int col = std::clamp(static_cast<int>(x / map.shrink), 0, map.inverse_z.height - 1);
-    return static_cast<int>(map.inverse_z.at(row, col));
+    return static_cast<int>(map.inverse_z.at(in_map(y, map.inverse_z.width), in_map(x, map.inverse_z.height)));
   };
   if (nearest(x_px, y_px) > limit) return {};
   const double reach = options_.mixed_px;
@@ -69,10 +70,10 @@ int SourceCandidates::cost_from(size_t frame, int x, int y, double w, bool throu
   const auto u = projection.column(headings_[static_cast<size_t>(x)]);
   const double forward = projection.forward(u, w);
   if (forward < kBehindCamera) return -1;
-  const double v = grid_.v(y + 0.5);
-  const double right = projection.right(u, w), up = projection.up(v, w);
   const UprightCamera& camera = frames_[frame].camera;
-  const double x_px = camera.focal * right / forward + camera.cx, y_px = camera.cy - camera.focal * up / forward;
+  const double right = projection.right(u, w), x_px = camera.focal * right / forward + camera.cx;
+  if (!(x_px >= 0.5 && x_px < camera.width - 0.5)) return -1;
+  const double v = grid_.v(y + 0.5), up = projection.up(v, w), y_px = camera.cy - camera.focal * up / forward;
   const Seen seen = look(frame, x_px, y_px, w / forward, through);
   if (!seen.visible) return -1;
   // Chord between the unit vectors of both rays: the angle, to 2 % up to 40 degrees.

@@ -52,6 +52,7 @@ class SourceCandidates final : public ColourCosts {
   struct Seen {
     bool visible = false, mixed = false;
   };
+  // At a place between the photograph's first and last columns.
   Seen look(size_t frame, double x_px, double y_px, double inverse_z, bool through) const;
   void find_facing(int x);
   int cost_from(size_t frame, int x, int y, double w, bool through) const;  // negative: does not see it

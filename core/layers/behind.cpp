@@ -46,6 +46,14 @@ class ColumnOfVoxels {
   std::array<std::optional<std::vector<VoxelColumn>>, kDisparitySteps / kStep + 1> at_;
 };
 
+// A row of a column of which it is not known yet whether it is wanted.
+constexpr int kSettled = -1;
+struct OpenRow {
+  int y;
+  int nearest;  // of the disparities that lie behind; kSettled: it is known now
+  double v;
+};
+
 }  // namespace
 
 Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front,
@@ -56,18 +64,18 @@ Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front
   Plane<uint8_t> want(grid.width, grid.height, kUnwanted);
   parallel_for(job, grid.width, [&](int x) {
     const Facing facing(grid, eyes, x);
-    std::vector<int> nearest(static_cast<size_t>(grid.height));  // of the disparities that lie behind; -1 = settled
+    std::vector<OpenRow> open;
     for (int y = 0; y < grid.height; ++y)
-      nearest[static_cast<size_t>(y)] = front.at(x, y) == kNoDisparity ? -1 : front.at(x, y) - gap;
+      if (front.at(x, y) != kNoDisparity) open.push_back({y, front.at(x, y) - gap, grid.v(y + 0.5)});
     std::vector<VoxelColumn> columns;
-    for (int d = 0; d <= kDisparitySteps - gap; d += kLabelSteps / 2) {
+    for (int d = 0; !open.empty(); d += kLabelSteps / 2) {
+      std::erase_if(open, [d](const OpenRow& row) { return row.nearest < d; });
       find_voxel_columns(eyes, facing, grid.inverse_depth(d), columns);
       for (const VoxelColumn& voxels : columns)
-        for (int y = 0; y < grid.height; ++y) {
-          int& bound = nearest[static_cast<size_t>(y)];
-          if (d > bound || !falls_on_uncovered(voxels, grid.v(y + 0.5))) continue;
-          want.at(x, y) = kWanted;
-          bound = -1;
+        for (OpenRow& row : open) {
+          if (row.nearest == kSettled || !falls_on_uncovered(voxels, row.v)) continue;
+          want.at(x, row.y) = kWanted;
+          row.nearest = kSettled;
         }
     }
   });

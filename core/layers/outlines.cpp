@@ -118,9 +118,11 @@ class OutlineFitter {
       const int d = layer_.at(nx, ny);
       balance += std::abs(d - own) < std::abs(d - farther) ? -1 : 1;
     });
-    const int near_cost = cost_of_window(x, y, own), far_cost = cost_of_window(x, y, farther);
-    if (near_cost == kUnknown || far_cost == kUnknown) return false;
-    return near_cost - far_cost + kSmoothness * balance > kMargin;
+    const int near_cost = cost_of_window(x, y, own);
+    const int most = near_cost + kSmoothness * balance - kMargin;  // below this the farther surface must cost
+    if (near_cost == kUnknown || most <= 0) return false;
+    const int far_cost = cost_of_window(x, y, farther);
+    return far_cost != kUnknown && far_cost < most;
   }
 
   // Mean over the window, all of it at one disparity.

@@ -71,16 +71,10 @@ void find_voxel_columns(const Eyes& eyes, const Facing& facing, double w, std::v
     const double x_px = projection.x_px(u, w);
     if (!(x_px >= 0 && x_px < eyes.frames[i].camera.width)) continue;
     const int column = static_cast<int>(x_px);
-    seen.push_back({&eyes.frames[i], eyes.uncovered_maps[i].row(column / eyes.shrink), eyes.shrink, column,
-                    projection.row_slope(forward), projection.row_offset(w, forward)});
+    const auto index = static_cast<size_t>(column);
+    seen.push_back({eyes.uncovered_maps[i].row(column / eyes.shrink), eyes.shrink, eyes.frames[i].valid_begin[index],
+                    eyes.frames[i].valid_end[index], projection.row_slope(forward), projection.row_offset(w, forward)});
   }
-}
-
-bool falls_on_uncovered(const VoxelColumn& voxels, double v) {
-  const double y_px = voxels.offset + voxels.slope * v;
-  const auto column = static_cast<size_t>(voxels.column);
-  if (y_px < voxels.frame->valid_begin[column] || y_px >= voxels.frame->valid_end[column]) return false;
-  return voxels.uncovered[static_cast<int>(y_px) / voxels.shrink] != 0;
 }
 
 }  // namespace ldp

@@ -18,10 +18,10 @@ using UncoveredMaps = std::vector<Plane<uint8_t>>;
 
 // The voxels of one column at one inverse depth, as one camera's map sees them: one map column, rows affine in v.
 struct VoxelColumn {
-  const UprightFrame* frame;
   const uint8_t* uncovered;  // the map's column
-  int shrink, column;        // of the upright frame
-  double slope, offset;      // upright row = offset + slope v
+  int shrink;
+  int valid_begin, valid_end;  // rows of the upright frame's column
+  double slope, offset;        // upright row = offset + slope v
 };
 
 // Where voxels are looked at from: all cameras.
@@ -47,6 +47,11 @@ struct Facing {
 void find_voxel_columns(const Eyes& eyes, const Facing& facing, double w, std::vector<VoxelColumn>& seen);
 
 // Does the voxel fall on a pixel that no layer covers, or beside one?
-bool falls_on_uncovered(const VoxelColumn& voxels, double v);
+inline bool falls_on_uncovered(const VoxelColumn& voxels, double v) {
+  const double y_px = voxels.offset + voxels.slope * v;
+  if (!(y_px >= voxels.valid_begin && y_px < voxels.valid_end)) return false;
+  const int row = static_cast<int>(y_px);
+  return voxels.uncovered[voxels.shrink == 1 ? row : row / voxels.shrink] != 0;
+}
 
 }  // namespace ldp

@@ -117,6 +117,7 @@ class MapPainter {
     const auto row = static_cast<size_t>(y);
     const int y0 = first_pixel(offset + slope * brush_.edges_v[row], shrink, map_.inverse_z.width);
     const int y1 = first_pixel(offset + slope * brush_.edges_v[row + 1], shrink, map_.inverse_z.width);
+    if (y0 >= y1) return;
     const auto depth = static_cast<uint16_t>(std::clamp(w / forward / map_.scale, 1.0, 65535.0));
     for (int column = x0; column < x1; ++column) {
       uint16_t* out = map_.inverse_z.row(column);

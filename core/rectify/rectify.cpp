@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "exposure.h"
 #include "flatten.h"
@@ -108,8 +109,9 @@ class Resampler {
     for (const ColumnMap& map : maps)
       for (int j = 0; j < taps_; ++j) {
         const SourcePosition position = map.at(y + from_middle(j));
-        grey += interpolate(planes_.grey, position);
-        tint += interpolate(planes_.tint, position);
+        const Interpolation interpolate(position);
+        grey += interpolate(planes_.grey);
+        tint += interpolate(planes_.tint);
         inside &= position.inside;
       }
     const int places = taps_ * taps_;
@@ -139,13 +141,19 @@ UprightFrame make_upright(const Planes& planes, const Camera& camera, const Upri
   return frame;
 }
 
-// Photos that are worked on at a time: one a thread where memory allows.
-int photos_at_once(const std::vector<Camera>& cameras, const Job& job) {
+// In pixels.
+size_t largest_photo(const std::vector<Camera>& cameras) {
   size_t largest = 1;
   for (const Camera& camera : cameras)
     largest = std::max(largest, static_cast<size_t>(camera.intrinsics.width) *
                                     static_cast<size_t>(std::max(1, camera.intrinsics.height)));
-  return std::clamp(static_cast<int>(kBytesAtOnce / (kBytesPerPixel * largest)), 1, std::max(1, job.threads));
+  return largest;
+}
+
+// Photos that are worked on at a time: one a thread where memory allows.
+int photos_at_once(const std::vector<Camera>& cameras, const Job& job) {
+  return std::clamp(static_cast<int>(kBytesAtOnce / (kBytesPerPixel * largest_photo(cameras))), 1,
+                    std::max(1, job.threads));
 }
 
 // body(i) for every photo, as many at a time as photos.threads, with progress.
@@ -181,11 +189,17 @@ std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<C
   inside.threads = std::max(1, job.threads / at_once);
   const auto load = [&](size_t k) { return load_checked(frames, frame_of_camera[k], cameras[k]); };
   std::vector<Thumbnail> thumbnails(cameras.size());
-  for_each_photo(photos, "exposure", cameras.size(), [&](size_t k) { thumbnails[k] = make_thumbnail(load(k)); });
+  std::vector<RgbImage> kept(cameras.size());  // for the second look, if all find room
+  const bool keep = cameras.size() * sizeof(Rgb) * largest_photo(cameras) <= kBytesAtOnce;
+  for_each_photo(photos, "exposure", cameras.size(), [&](size_t k) {
+    RgbImage photo = load(k);
+    thumbnails[k] = make_thumbnail(photo);
+    if (keep) kept[k] = std::move(photo);
+  });
   const auto gains = exposure_gains(cameras, thumbnails, points);
   std::vector<UprightFrame> upright(cameras.size());
   for_each_photo(photos, "rectify", cameras.size(), [&](size_t k) {
-    const Planes planes = make_planes(load(k), gains[k], inside);
+    const Planes planes = make_planes(keep ? std::exchange(kept[k], {}) : load(k), gains[k], inside);
     const UprightCamera camera = upright_camera(cameras[k], arc.axis(), frame_of_camera[k], pitch_px);
     upright[k] = make_upright(planes, cameras[k], camera, pitch_px, inside);
     upright[k].gain = gains[k];

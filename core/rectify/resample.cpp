@@ -99,27 +99,30 @@ SourcePosition ColumnMap::at(double row) const {
   if (d.z() <= 1e-3) return {};
   const Eigen::Vector2d position = project(intrinsics_, d);
   const double right_q8 = (intrinsics_.width - 1) * 256.0, bottom_q8 = (intrinsics_.height - 1) * 256.0;
-  const double x = std::floor((position.x() - 0.5) * 256 + 0.5), y = std::floor((position.y() - 0.5) * 256 + 0.5);
-  const bool inside = x >= 0 && y >= 0 && x <= right_q8 && y <= bottom_q8;
+  const double x = (position.x() - 0.5) * 256 + 0.5, y = (position.y() - 0.5) * 256 + 0.5;  // to be cut to whole ones
+  const bool inside = x >= 0 && y >= 0 && x < right_q8 + 1 && y < bottom_q8 + 1;
   return {static_cast<int>(std::clamp(x, 0.0, right_q8)), static_cast<int>(std::clamp(y, 0.0, bottom_q8)), inside};
 }
 
-uint8_t interpolate(const Plane<uint16_t>& plane, const SourcePosition& position) {
+Interpolation::Interpolation(const SourcePosition& position)
+    : x0_((position.x_q8 >> 8) - 1), y0_((position.y_q8 >> 8) - 1) {
   static const auto kWeights = catmull_rom();
-  const int16_t* wx = kWeights[static_cast<size_t>(position.x_q8 & 255)].data();
-  const int16_t* wy = kWeights[static_cast<size_t>(position.y_q8 & 255)].data();
-  const int x0 = (position.x_q8 >> 8) - 1, y0 = (position.y_q8 >> 8) - 1;
-  int sum = 0;
-  for (int j = 0; j < 4; ++j) {
-    const uint16_t* row = plane.row(std::clamp(y0 + j, 0, plane.height - 1));
-    int across = 0;
-    if (x0 >= 0 && x0 + 3 < plane.width) {
-      for (int i = 0; i < 4; ++i) across += wx[i] * row[x0 + i];
-    } else {
-      for (int i = 0; i < 4; ++i) across += wx[i] * row[std::clamp(x0 + i, 0, plane.width - 1)];
-    }
-    sum += wy[j] * across;  // at most 255 * kSampleScale * 160 * 160 < 2^31
+  const auto& across = kWeights[static_cast<size_t>(position.x_q8 & 255)];
+  const auto& down = kWeights[static_cast<size_t>(position.y_q8 & 255)];
+  for (size_t i = 0; i < kTaps; ++i) weights_[i] = static_cast<int16_t>(across[i % 4] * down[i / 4]);
+}
+
+uint8_t Interpolation::operator()(const Plane<uint16_t>& plane) const {
+  uint16_t samples[kTaps];
+  if (x0_ >= 0 && y0_ >= 0 && x0_ + 3 < plane.width && y0_ + 3 < plane.height) {
+    const uint16_t* row = plane.row(y0_) + x0_;
+    for (size_t j = 0; j < 4; ++j, row += plane.width) std::copy_n(row, 4, samples + 4 * j);
+  } else {
+    for (int i = 0; i < kTaps; ++i)
+      samples[i] = plane.at(std::clamp(x0_ + i % 4, 0, plane.width - 1), std::clamp(y0_ + i / 4, 0, plane.height - 1));
   }
+  int sum = 0;  // at most 255 * kSampleScale * 160 * 160 < 2^31
+  for (size_t i = 0; i < kTaps; ++i) sum += weights_[i] * static_cast<int16_t>(samples[i]);
   constexpr int kShift = 7 + 7 + 6;
   return static_cast<uint8_t>(std::clamp((sum + (1 << (kShift - 1))) >> kShift, 0, 255));
 }

@@ -30,9 +30,19 @@ class ColumnMap {
   Eigen::Vector3d first_, step_;  // direction of row 0 in camera axes, and its change per row
 };
 
-// Catmull-Rom interpolation of a plane of `scale` times 8-bit values, at one of its positions; clamped to 0..255.
-// Borders repeat.
-uint8_t interpolate(const Plane<uint16_t>& plane, const SourcePosition& position);
 constexpr int kSampleScale = 64;
+
+// Catmull-Rom interpolation at one position of planes of kSampleScale times 8-bit values; clamped to 0..255. Borders
+// repeat.
+class Interpolation {
+ public:
+  explicit Interpolation(const SourcePosition& position);
+  uint8_t operator()(const Plane<uint16_t>& plane) const;
+
+ private:
+  static constexpr int kTaps = 4 * 4;
+  int x0_, y0_;  // of the first tap
+  int16_t weights_[kTaps];
+};
 
 }  // namespace ldp
