@@ -17,4 +17,9 @@ std::vector<Interval> cut_line(int length, int core_px, int margin_px, bool shif
 // The same on a ring: an interval may run past the length, modulo which it is meant.
 std::vector<Interval> cut_ring(int length, int core_px, int margin_px, bool shift);
 
+// What cuts a grid into windows.
+struct WindowCuts {
+  std::vector<Interval> columns, rows;
+};
+
 }  // namespace ldp

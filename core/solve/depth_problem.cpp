@@ -65,11 +65,13 @@ void DepthSource::take_all(const uint8_t* cost, const uint8_t* grey, size_t p, P
   std::copy_n(grey, kSlots, terms.grey.data() + p * kSlots);
 }
 
-void DepthSource::load(const Window& window, PixelTerms& terms) const {
-  terms.resize(window.width, window.height, false);
-  std::fill(terms.cost.begin(), terms.cost.end(), uint16_t{0});
-  std::fill(terms.grey.begin(), terms.grey.end(), uint8_t{0});
-  std::fill(terms.solved.begin(), terms.solved.end(), uint8_t{0});
+void DepthSource::load(const Window& window, PixelTerms& terms, int first) const {
+  for (int x = 0; x < window.width; ++x) {
+    const ptrdiff_t p = first + ptrdiff_t{x} * terms.height;
+    std::fill_n(terms.cost.begin() + p * kSlots, window.height * kSlots, uint16_t{0});
+    std::fill_n(terms.grey.begin() + p * kSlots, window.height * kSlots, uint8_t{0});
+    std::fill_n(terms.solved.begin() + p, window.height, uint8_t{0});
+  }
   const Window part = solved_part(window);
   if (part.height == 0) return;
   const auto labels = static_cast<size_t>(costs_.labels());
@@ -78,7 +80,7 @@ void DepthSource::load(const Window& window, PixelTerms& terms) const {
   for (int x = 0; x < part.width; ++x)
     for (int y = 0; y < part.height; ++y) {
       if (!solved((part.x + x) % costs_.width(), part.y + y)) continue;
-      const auto p = static_cast<size_t>(x * window.height + part.y - window.y + y);
+      const auto p = static_cast<size_t>(first + x * terms.height + part.y - window.y + y);
       const size_t from = static_cast<size_t>(x * part.height + y) * labels;
       terms.solved[p] = 1;
       if (labels == kSlots) {

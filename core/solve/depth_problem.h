@@ -20,7 +20,7 @@ class DepthSource final : public GridSource {
   int edge_factor(int x, int y, bool down) const override {
     return factors_ ? (down ? factors_->down : factors_->right).at(x, y) : 1;
   }
-  void load(const Window& window, PixelTerms& terms) const override;
+  void load(const Window& window, PixelTerms& terms, int first) const override;
 
  private:
   bool solved(int x, int y) const { return mask_.empty() || mask_.at(x, y) != 0; }

@@ -6,12 +6,6 @@ namespace ldp {
 
 namespace {
 
-template <typename T>
-void copy_pixels(const std::vector<T>& from, size_t first, size_t count, std::vector<T>& to, size_t at, size_t each) {
-  std::copy_n(from.begin() + static_cast<ptrdiff_t>(first * each), count * each,
-              to.begin() + static_cast<ptrdiff_t>(at * each));
-}
-
 // Without room to grow further, which a window or strip, once of full size, never needs.
 template <typename T>
 void resize_exactly(std::vector<T>& values, size_t size) {
@@ -35,18 +29,6 @@ void PixelTerms::resize(int new_width, int new_height, bool with_positions) {
 size_t PixelTerms::bytes() const {
   return (cost.capacity() + floor.capacity()) * sizeof(uint16_t) + grey.capacity() + position.capacity() +
          solved.capacity();
-}
-
-void PixelTerms::take_columns(const PixelTerms& other, int from, int count, int to) {
-  const auto first = static_cast<size_t>(from) * static_cast<size_t>(height),
-             pixels = static_cast<size_t>(count) * static_cast<size_t>(height),
-             at = static_cast<size_t>(to) * static_cast<size_t>(height);
-  copy_pixels(other.cost, first, pixels, cost, at, kSlots);
-  copy_pixels(other.grey, first, pixels, grey, at, kSlots);
-  copy_pixels(other.solved, first, pixels, solved, at, 1);
-  if (position.empty()) return;
-  copy_pixels(other.position, first, pixels, position, at, kSlots);
-  copy_pixels(other.floor, first, pixels, floor, at, 1);
 }
 
 void LabelGrid::resize(int new_width, int new_height, bool with_positions) {

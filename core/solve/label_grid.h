@@ -33,9 +33,6 @@ struct PixelTerms {
   void resize(int new_width, int new_height, bool with_positions);
   int size() const { return width * height; }
   size_t bytes() const;
-  // Columns [from, from + count) of another, of the same height, become columns [to, to + count) of this. The other may
-  // be this, with to <= from.
-  void take_columns(const PixelTerms& other, int from, int count, int to);
 
   const uint16_t* costs(int p) const { return cost.data() + static_cast<ptrdiff_t>(p) * kSlots; }
   const uint8_t* greys(int p) const { return grey.data() + static_cast<ptrdiff_t>(p) * kSlots; }
@@ -120,9 +117,9 @@ class GridSource {
   virtual bool has_positions() const = 0;
   // Factor of the edge from (x, y) to the pixel below or to the right, where both are part of the problem.
   virtual int edge_factor(int x, int y, bool down) const = 0;
-  // Fills terms of the window, which lies inside the grid but for x modulo width in a source that wraps. Pixels that
-  // are not part of the problem get equal costs.
-  virtual void load(const Window& window, PixelTerms& terms) const = 0;
+  // Writes a window, which lies inside the grid but for x modulo width in a source that wraps, to terms large enough;
+  // its corner becomes pixel `first` of them. Pixels that are not part of the problem get equal costs.
+  virtual void load(const Window& window, PixelTerms& terms, int first) const = 0;
 };
 
 // Sets the edges of a grid that holds a window's terms.

@@ -52,11 +52,11 @@ uint8_t Regions::label_of(int column, int y, uint8_t label) const {
   return solved_[at(column * height_ + y)] ? nodes_[at(find_node(column, y, label))].label : label;
 }
 
-void Regions::add_column(const PixelTerms& terms, int x, int column, const GridSource& source,
+void Regions::add_column(const PixelTerms& terms, int first, int column, const GridSource& source,
                          const Plane<uint8_t>& labels) {
   int above = kNone;
-  for (int y = 0; y < terms.height; ++y) {
-    const int p = x * terms.height + y;
+  for (int y = 0; y < height_; ++y) {
+    const int p = first + y;
     if (!terms.solved[at(p)]) {
       above = kNone;
       continue;
@@ -71,12 +71,12 @@ void Regions::add_column(const PixelTerms& terms, int x, int column, const GridS
   }
 }
 
-void Regions::add_seam(const PixelTerms& terms, int x, int column, const GridSource& source,
+void Regions::add_seam(const PixelTerms& terms, int first, int next_first, int column, const GridSource& source,
                        const Plane<uint8_t>& labels) {
   const int next = (column + 1) % source.width();
   const bool same_block = column / kBlock == next / kBlock;
-  for (int y = 0; y < terms.height; ++y) {
-    const int p = x * terms.height + y, q = p + terms.height;
+  for (int y = 0; y < height_; ++y) {
+    const int p = first + y, q = next_first + y;
     if (!terms.solved[at(p)] || !terms.solved[at(q)]) continue;
     const uint8_t label = labels.at(column, y), other = labels.at(next, y);
     if (same_block && label == other) continue;

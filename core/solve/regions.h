@@ -27,11 +27,13 @@ class Regions {
  public:
   Regions(int width, int height, int slots, const Smoothness& smoothness);
 
-  // Adds the pixels of a column of the grid, which is column x of the terms, and the edges inside it.
-  void add_column(const PixelTerms& terms, int x, int column, const GridSource& source, const Plane<uint8_t>& labels);
-  // Adds the edges between column x of the terms (`column` of the grid) and the next. Both columns must have been
-  // added.
-  void add_seam(const PixelTerms& terms, int x, int column, const GridSource& source, const Plane<uint8_t>& labels);
+  // Adds the pixels of a column of the grid, whose terms begin at pixel `first`, and the edges inside it.
+  void add_column(const PixelTerms& terms, int first, int column, const GridSource& source,
+                  const Plane<uint8_t>& labels);
+  // Adds the edges between a column and the next, whose terms begin at pixels `first` and `next_first`. Both columns
+  // must have been added.
+  void add_seam(const PixelTerms& terms, int first, int next_first, int column, const GridSource& source,
+                const Plane<uint8_t>& labels);
 
   // Moves regions until no move gains, `cycles` times over all slots at most.
   void move(int cycles, const Job& job);

@@ -28,11 +28,10 @@ class ColourSource final : public GridSource {
 
   int edge_factor(int, int, bool) const override { return 1; }
 
-  void load(const Window& window, PixelTerms& terms) const override {
-    terms.resize(window.width, window.height, true);
+  void load(const Window& window, PixelTerms& terms, int first) const override {
     for (int x = 0; x < window.width; ++x)
       for (int y = 0; y < window.height; ++y)
-        load_pixel((window.x + x) % costs_.width(), window.y + y, x * window.height + y, terms);
+        load_pixel((window.x + x) % costs_.width(), window.y + y, first + x * terms.height + y, terms);
   }
 
  private:
@@ -89,7 +88,7 @@ Labelling solve_colour(const ColourCosts& costs, const ColourSolveOptions& optio
                     {options.core_px, options.margin_px, options.iterations, options.cycles, options.passes}, job);
   const double degrees = static_cast<double>(kSixteenths) / (units * kAnglesPerDegree);
   Labelling result;
-  result.labels = std::move(solve.positions);
+  result.labels = std::move(solve.taken.positions);
   result.report.data_energy = static_cast<double>(solve.final.data) * degrees;
   result.report.smoothness_energy = static_cast<double>(solve.final.smoothness) * degrees;
   result.report.initial_energy = static_cast<double>(solve.initial.total()) * degrees;

@@ -13,7 +13,7 @@ Labelling solve_depth(const CostSource& costs, const Plane<uint8_t>& mask, const
       job);
   const double grey_levels = problem.grey_levels_per_unit();
   Labelling result;
-  result.labels = std::move(solve.slots);
+  result.labels = std::move(solve.taken.slots);
   result.report.data_energy = static_cast<double>(solve.final.data) * grey_levels;
   result.report.smoothness_energy = static_cast<double>(solve.final.smoothness) * grey_levels;
   result.report.initial_energy = static_cast<double>(solve.initial.total()) * grey_levels;

@@ -1,50 +1,40 @@
 #include "strip.h"
 
 #include <algorithm>
+#include <array>
 
 namespace ldp {
 
-namespace {
-
-constexpr int kPieceColumns = 64;
-
-}  // namespace
-
-void Strip::plan(int begin, int width) {
-  next_begin_ = begin;
-  next_width_ = width;
-  kept_from_ = source_.wraps() ? (begin - begin_ + source_.width()) % source_.width() : begin - begin_;
-  kept_ = kept_from_ >= 0 ? std::clamp(terms_.width - kept_from_, 0, width) : 0;
-  pieces_.resize(static_cast<size_t>((width - kept_ + kPieceColumns - 1) / kPieceColumns));
-}
-
-void Strip::load_piece(int index) {
-  const int first = kept_ + index * kPieceColumns, count = std::min(kPieceColumns, next_width_ - first);
-  const int x = (next_begin_ + first) % source_.width();
-  source_.load({x, 0, count, source_.height()}, pieces_[static_cast<size_t>(index)]);
-}
-
-void Strip::move() {
-  if (kept_ > 0) terms_.take_columns(terms_, kept_from_, kept_, 0);  // in place, towards the front
-  terms_.resize(next_width_, source_.height(), source_.has_positions());
-  int first = kept_;
-  for (const PixelTerms& piece : pieces_) {
-    terms_.take_columns(piece, 0, piece.width, first);
-    first += piece.width;
+void Strip::plan(const std::vector<Window>& places) {
+  first_column_ = places[0].x;
+  begins_.clear();
+  ends_.clear();
+  std::array<int, kHeld> width{};  // of the widest piece in each part of the terms
+  for (size_t i = 0, begin = 0; i < places.size(); ++i) {
+    if (i > 0) begin += static_cast<size_t>((places[i].x - places[i - 1].x + source_.width()) % source_.width());
+    begins_.push_back(static_cast<int>(begin));
+    ends_.push_back(static_cast<int>(begin) + places[i].width);
+    int& widest = width[i % kHeld];
+    widest = std::max(widest, end(static_cast<int>(i)) - piece_begin(static_cast<int>(i)));
   }
-  begin_ = next_begin_;
+  std::array<int, kHeld> first{};
+  for (size_t k = 1; k < kHeld; ++k) first[k] = first[k - 1] + width[k - 1];
+  terms_.resize(first.back() + width.back(), source_.height(), source_.has_positions());
+  column_of_terms_.clear();
+  for (size_t i = 0; i < places.size(); ++i)
+    for (int x = piece_begin(static_cast<int>(i)); x < ends_[i]; ++x)
+      column_of_terms_.push_back(first[i % kHeld] + x - piece_begin(static_cast<int>(i)));
 }
 
-size_t Strip::bytes() const {
-  size_t sum = terms_.bytes();
-  for (const PixelTerms& piece : pieces_) sum += piece.bytes();
-  return sum;
+void Strip::load_rows(int place, int y, int rows) {
+  const int x = piece_begin(place);
+  if (x < end(place)) source_.load({column(x), y, end(place) - x, rows}, terms_, pixel(x) + y);
 }
 
 void Strip::copy(const Window& part, LabelGrid& grid) const {
   grid.resize(part.width, part.height, source_.has_positions());
   for (int x = 0; x < part.width; ++x) {
-    const auto from = static_cast<ptrdiff_t>((part.x + x) * terms_.height + part.y);
+    const auto from = static_cast<ptrdiff_t>(pixel(part.x + x) + part.y);
     const auto to = static_cast<ptrdiff_t>(x * part.height);
     const auto take = [&](const auto& source, auto& target, int each) {
       std::copy_n(source.begin() + from * each, part.height * each, target.begin() + to * each);
@@ -60,7 +50,7 @@ void Strip::copy(const Window& part, LabelGrid& grid) const {
 
 bool Strip::any_solved(const Window& part) const {
   for (int x = part.x; x < part.x + part.width; ++x) {
-    const uint8_t* column = terms_.solved.data() + static_cast<ptrdiff_t>(x) * terms_.height + part.y;
+    const uint8_t* column = terms_.solved.data() + pixel(x) + part.y;
     if (std::any_of(column, column + part.height, [](uint8_t solved) { return solved != 0; })) return true;
   }
   return false;
@@ -69,7 +59,7 @@ bool Strip::any_solved(const Window& part) const {
 Energy Strip::column_energy(int x, const std::vector<uint8_t>& labels) const {
   Energy energy;
   for (size_t y = 0; y < labels.size(); ++y) {
-    const int p = x * terms_.height + static_cast<int>(y);
+    const int p = pixel(x) + static_cast<int>(y);
     if (!terms_.solved[static_cast<size_t>(p)]) continue;
     energy.data += terms_.costs(p)[labels[y]] + (terms_.floor.empty() ? 0 : terms_.floor[static_cast<size_t>(p)]);
     if (y == 0 || !terms_.solved[static_cast<size_t>(p - 1)]) continue;
@@ -82,18 +72,12 @@ Energy Strip::column_energy(int x, const std::vector<uint8_t>& labels) const {
 int64_t Strip::seam_energy(int x, const std::vector<uint8_t>& labels, const std::vector<uint8_t>& next) const {
   int64_t energy = 0;
   for (size_t y = 0; y < labels.size(); ++y) {
-    const int p = x * terms_.height + static_cast<int>(y), q = p + terms_.height;
+    const int p = pixel(x) + static_cast<int>(y), q = pixel(x + 1) + static_cast<int>(y);
     if (!terms_.solved[static_cast<size_t>(p)] || !terms_.solved[static_cast<size_t>(q)]) continue;
     const int factor = source_.edge_factor(column(x), static_cast<int>(y), false);
     if (factor != 0) energy += terms_.pair(smoothness_, factor, p, labels[y], q, next[y]);
   }
   return energy;
-}
-
-void Strip::clear() {
-  terms_ = {};
-  pieces_.clear();
-  pieces_.shrink_to_fit();
 }
 
 }  // namespace ldp

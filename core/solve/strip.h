@@ -1,5 +1,8 @@
-// The columns of a problem that are being worked on, at full height. Moving on keeps what both places share, so that a
-// problem's terms are computed once while it is walked through from left to right, and no whole volume ever exists.
+// The columns of a problem that are being worked on, at full height. A problem is walked through from left to right,
+// place by place; what a place shares with the one before it is kept, so that terms are computed once, and what only
+// earlier places needed is overwritten, so that no whole volume ever exists.
+//
+// Columns are counted along the walk, from the first of the first place on: on a ring a column may be met twice.
 #pragma once
 
 #include <cstddef>
@@ -12,21 +15,28 @@ namespace ldp {
 
 class Strip {
  public:
+  static constexpr int kHeld = 3;  // pieces that exist at a time
+
   Strip(const GridSource& source, const Smoothness& smoothness) : source_(source), smoothness_(smoothness) {}
 
-  // Announces columns [begin, begin + width), modulo the source's width where it wraps. Pieces of them that the strip
-  // does not hold yet are to be loaded, in any order and from several threads, before `move` goes there.
-  void plan(int begin, int width);
-  int pieces() const { return static_cast<int>(pieces_.size()); }
-  void load_piece(int index);
-  void move();
+  // Plans a walk whose place i spans the x and width of places[i]; neighbouring places overlap or touch.
+  void plan(const std::vector<Window>& places);
+  int begin(int place) const { return begins_[static_cast<size_t>(place)]; }
+  int end(int place) const { return ends_[static_cast<size_t>(place)]; }
 
-  int width() const { return terms_.width; }
-  int column(int x) const { return (begin_ + x) % source_.width(); }
+  // The columns that a place holds and no place before it are its piece. From several threads, rows of any pieces are
+  // loaded once nothing needs the piece kHeld before; a place needs its own piece and the one before it.
+  int piece_begin(int place) const { return place == 0 ? 0 : end(place - 1); }
+  void load_rows(int place, int y, int rows);
+
+  // Of the source.
+  int column(int x) const { return (first_column_ + x) % source_.width(); }
   const PixelTerms& terms() const { return terms_; }
-  size_t bytes() const;
+  // Where the terms of a column begin.
+  int pixel(int x) const { return column_of_terms_[static_cast<size_t>(x)] * terms_.height; }
+  size_t bytes() const { return terms_.bytes() + column_of_terms_.capacity() * sizeof(int); }
 
-  // Terms and edges of a part of the strip, x counted from the strip's first column.
+  // Terms and edges of a part of the strip.
   void copy(const Window& part, LabelGrid& grid) const;
 
   // Whether a part holds pixels of the problem.
@@ -37,16 +47,13 @@ class Strip {
   // The pair terms of the edges between columns x and x + 1.
   int64_t seam_energy(int x, const std::vector<uint8_t>& labels, const std::vector<uint8_t>& next) const;
 
-  // Lets go of everything.
-  void clear();
-
  private:
   const GridSource& source_;
   const Smoothness& smoothness_;
-  int begin_ = 0, next_begin_ = 0, next_width_ = 0;
-  int kept_from_ = 0, kept_ = 0;  // columns of the strip that the next place shares
+  int first_column_ = 0;
+  std::vector<int> begins_, ends_;    // of each place
+  std::vector<int> column_of_terms_;  // of each column
   PixelTerms terms_;
-  std::vector<PixelTerms> pieces_;
 };
 
 }  // namespace ldp

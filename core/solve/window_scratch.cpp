@@ -17,9 +17,9 @@ void exchange(LabelGrid& grid, const Smoothness& smoothness, int iterations, con
 
 }  // namespace
 
-bool WindowScratch::solve(const Smoothness& smoothness, int slots, int iterations, int cycles, const Job& job) {
-  bool changed = iterations > 0 && pass_messages(smoothness, iterations, job);
-  if (expand(smoothness, slots, cycles, job)) changed = true;
+bool WindowScratch::solve(const Smoothness& smoothness, int slots, const Effort& effort, const Job& job) {
+  bool changed = effort.iterations > 0 && pass_messages(smoothness, effort.iterations, job);
+  if (expand(smoothness, slots, effort.cycles, job)) changed = true;
   return changed;
 }
 

@@ -15,12 +15,16 @@
 
 namespace ldp {
 
+struct Effort {
+  int iterations, cycles;  // of message passing and of expansion
+};
+
 class WindowScratch {
  public:
   LabelGrid grid;  // the window, its ring folded
 
   // Improves the grid's labels by message passing and expansion; true if they changed. The grid's energy never rises.
-  bool solve(const Smoothness& smoothness, int slots, int iterations, int cycles, const Job& job);
+  bool solve(const Smoothness& smoothness, int slots, const Effort& effort, const Job& job);
 
   size_t bytes() const;
 

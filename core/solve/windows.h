@@ -1,7 +1,6 @@
 // Solves a labelling problem of any size window by window: each window's labels are improved with everything outside
-// it held fixed, so that the energy of the whole never rises. The grid is walked through in strips of columns; of the
-// windows of a strip every second one is solved at a time, in parallel, with the same result in any order. Then regions
-// larger than windows move, and the windows that this touched are loaded and solved once more.
+// it held fixed, so that the energy of the whole never rises (window_pass.h). Then regions larger than windows move
+// (regions.h), and the windows that this touched are loaded and solved once more (settling.h).
 #pragma once
 
 #include <cstddef>
@@ -9,7 +8,7 @@
 
 #include "job.h"
 #include "label_grid.h"
-#include "plane.h"
+#include "slots_taken.h"
 #include "smoothness.h"
 
 namespace ldp {
@@ -19,9 +18,10 @@ struct WindowOptions {  // as SolveOptions has them
 };
 
 struct WindowSolve {
-  Plane<uint8_t> slots;
-  Plane<uint8_t> positions;  // of the slots; empty if the source has none
-  Energy initial, final;     // of the cheapest slot of every pixel, and of the result
+  explicit WindowSolve(const GridSource& source) : taken(source) {}
+
+  SlotsTaken taken;
+  Energy initial, final;  // of the cheapest slot of every pixel, and of the result
   int passes = 0;
   size_t peak_bytes = 0;
 };

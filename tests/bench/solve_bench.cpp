@@ -67,7 +67,7 @@ void compare(const DepthProblem& whole, const Problem& problem, double energy, c
   LabelGrid grid;
   const Window everything{0, 0, problem.volume.width(), problem.volume.height()};
   grid.resize(everything.width, everything.height, false);
-  whole.source().load(everything, grid);
+  whole.source().load(everything, grid, 0);
   set_edges(whole.source(), everything, grid);
   const double unit = whole.grey_levels_per_unit() / problem.unit;
   const auto least = static_cast<double>(problem.volume.least_sum());

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -10,6 +11,7 @@
 #include "expansion.h"
 #include "label_grid.h"
 #include "smoothness.h"
+#include "task_order.h"
 
 namespace ldp {
 namespace {
@@ -229,6 +231,53 @@ TEST(Solve, gives_the_same_bytes_at_any_thread_count_where_regions_move) {
   EXPECT_EQ(many.labels, one.labels);
   EXPECT_EQ(total(many.report), total(one.report));
   EXPECT_NEAR(total(one.report), formula_energy(costs, one.labels, {}, options), 0.004 * total(one.report));
+}
+
+TEST(TaskOrder, does_every_task_once_after_those_it_waits_for) {
+  for (const int threads : {1, 2, 8}) {
+    std::mt19937 random(17);
+    constexpr int kTasks = 300;
+    std::vector<std::atomic<int>> times_done(kTasks);
+    std::atomic<int> too_early = 0;
+    TaskOrder order;
+    for (int i = 0; i < kTasks; ++i) {
+      std::vector<int> waits_for;
+      for (int k = 0; k < 3 && i > 0; ++k) waits_for.push_back(static_cast<int>(random() % static_cast<unsigned>(i)));
+      order.add(
+          [&, i, waits_for] {
+            for (const int before : waits_for) too_early += times_done[static_cast<size_t>(before)] == 0;
+            ++times_done[static_cast<size_t>(i)];
+          },
+          waits_for);
+    }
+    order.run(on_threads(threads));
+    EXPECT_EQ(too_early, 0);
+    for (const auto& times : times_done) EXPECT_EQ(times, 1);
+  }
+}
+
+TEST(TaskOrder, one_thread_takes_the_first_task_that_is_ready) {
+  std::vector<int> done;
+  TaskOrder order;
+  const auto note = [&](int i) { return [&done, i] { done.push_back(i); }; };
+  order.add(note(0), {});
+  order.add(note(1), {});
+  order.add(note(2), {0});
+  order.add(note(3), {1, 2});
+  order.run(on_threads(1));
+  EXPECT_THAT(done, testing::ElementsAre(0, 1, 2, 3));
+}
+
+TEST(TaskOrder, rethrows_what_a_task_threw_and_begins_none_that_waits_for_it) {
+  for (const int threads : {1, 4}) {
+    std::atomic<bool> followed = false;
+    TaskOrder order;
+    for (int i = 0; i < 20; ++i) order.add([] {}, {});
+    const auto thrower = order.add([] { throw std::out_of_range("task"); }, {});
+    order.add([&] { followed = true; }, {thrower});
+    EXPECT_THROW(order.run(on_threads(threads)), std::out_of_range);
+    EXPECT_FALSE(followed);
+  }
 }
 
 TEST(Solve, refuses_options_out_of_range_by_name) {

@@ -1,0 +1,52 @@
+// Solves again the windows of a grid in which regions moved.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "cuts.h"
+#include "framed_window.h"
+#include "job.h"
+#include "label_grid.h"
+#include "plane.h"
+#include "slots_taken.h"
+#include "smoothness.h"
+#include "window_scratch.h"
+
+namespace ldp {
+
+class Settling {
+ public:
+  // `before`: the slots before regions moved; `taken`: those since. `all`: windows that no region touched, too.
+  Settling(const GridSource& source, const Smoothness& smoothness, const WindowCuts& cuts, const Effort& effort,
+           bool all, Plane<uint8_t> before, SlotsTaken& taken);
+
+  // Gives by how much the energy rose since `before`.
+  Energy run(const Job& job);
+
+  size_t bytes() const { return before_.samples.capacity() + moved_.samples.capacity() + pool_.bytes(); }
+
+ private:
+  struct Cell {
+    Interval column, row;
+  };
+
+  size_t class_of(size_t interval) const;
+  bool touched(const Cell& cell) const;
+  bool unsettled(const Window& outer, const LabelGrid& grid) const;
+  Energy settle(const Cell& cell, const Job& job);
+  Energy solve_again(const FramedWindow& window, WindowScratch& scratch, const Job& job);
+  Energy core_energy(const Cell& cell, const Window& outer, const LabelGrid& grid) const;
+
+  const GridSource& source_;
+  const Smoothness& smoothness_;
+  const WindowCuts& cuts_;
+  const Effort effort_;
+  const bool all_;
+  const Plane<uint8_t> before_, moved_;  // slots before and after regions moved
+  SlotsTaken& taken_;
+  ScratchPool pool_;
+};
+
+}  // namespace ldp

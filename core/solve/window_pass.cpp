@@ -1,0 +1,172 @@
+#include "window_pass.h"
+
+#include <algorithm>
+#include <string>
+
+namespace ldp {
+
+namespace {
+
+constexpr int kLoadRows = 256, kLoadMargin = 0;
+
+size_t at(int i) { return static_cast<size_t>(i); }
+
+uint8_t cheapest_slot(const PixelTerms& terms, int p) {
+  return static_cast<uint8_t>(std::min_element(terms.costs(p), terms.costs(p) + kSlots) - terms.costs(p));
+}
+
+bool share_rows(const Interval& rows, const Window& window) {
+  return rows.begin < window.y + window.height && window.y < rows.begin + rows.size;
+}
+
+}  // namespace
+
+WindowPass::WindowPass(const GridSource& source, const Smoothness& smoothness, const WindowCuts& cuts,
+                       const Effort& effort, bool first, SlotsTaken& taken, Regions* regions)
+    : source_(source),
+      smoothness_(smoothness),
+      cuts_(cuts),
+      effort_(effort),
+      first_(first),
+      taken_(taken),
+      regions_(regions),
+      strip_(source, smoothness),
+      loads_(cut_line(source.height(), kLoadRows, kLoadMargin, false)),
+      last_place_(at(source.width())),
+      changed_(cuts.columns.size() * cuts.rows.size()) {}
+
+void WindowPass::plan_walk() {
+  std::vector<Window> places;
+  for (size_t i = 0; i < cuts_.columns.size(); ++i) {
+    const Interval& column = cuts_.columns[i];
+    places.push_back(FramedWindow({column.begin, 0, column.size, source_.height()}, source_).outer);
+    for (int x = 0; x < column.size; ++x) last_place_[at((column.begin + x) % source_.width())] = static_cast<int>(i);
+  }
+  strip_.plan(places);
+}
+
+bool WindowPass::run(const Job& job) {
+  job_ = &job;
+  plan_walk();
+  TaskOrder order;
+  std::vector<Task> loads = add_loads(order, 0, {}), windows, finished;  // finished: of the place before, if any
+  for (int place = 0; place < static_cast<int>(cuts_.columns.size()); ++place) {
+    windows = add_windows(order, place, loads, windows);
+    std::vector<Task> complete = windows;
+    complete.insert(complete.end(), finished.begin(), finished.end());
+    const Task finish = order.add([this, place] { this->finish(place); }, complete);
+    loads = add_loads(order, place + 1, finished);
+    finished = {finish};
+  }
+  order.run(job);
+  return std::any_of(changed_.begin(), changed_.end(), [](uint8_t one) { return one != 0; });
+}
+
+// The piece of a place takes that of the place Strip::kHeld before, which all places up to two before have finished
+// with. None past the last place.
+std::vector<TaskOrder::Task> WindowPass::add_loads(TaskOrder& order, int place, const std::vector<Task>& finished) {
+  static_assert(Strip::kHeld == 3);
+  std::vector<Task> tasks;
+  if (at(place) < cuts_.columns.size())
+    for (const Interval& rows : loads_) tasks.push_back(order.add([=, this] { load(place, rows); }, finished));
+  return tasks;
+}
+
+// `before`: the windows of the place before, if any.
+std::vector<TaskOrder::Task> WindowPass::add_windows(TaskOrder& order, int place, const std::vector<Task>& loads,
+                                                     const std::vector<Task>& before) {
+  const size_t count = cuts_.rows.size();
+  std::vector<Task> tasks(count);
+  for (const size_t parity : {size_t{0}, size_t{1}})
+    for (size_t row = parity; row < count; row += 2) {
+      const FramedWindow window = this->window(place, row);
+      std::vector<Task> waits_for;
+      for (size_t i = 0; i < loads.size(); ++i)
+        if (share_rows(loads_[i], window.outer)) waits_for.push_back(loads[i]);
+      for (size_t beside = row - std::min<size_t>(row, 1); beside < std::min(count, row + 2); ++beside) {
+        if (!before.empty()) waits_for.push_back(before[beside]);
+        if (parity == 1 && beside != row) waits_for.push_back(tasks[beside]);
+      }
+      uint8_t& changed = changed_[at(place) * count + row];
+      tasks[row] = order.add([=, this, &changed] { changed = solve(place, window); }, waits_for);
+    }
+  return tasks;
+}
+
+FramedWindow WindowPass::window(int place, size_t row) const {
+  const Interval &column = cuts_.columns[at(place)], &rows = cuts_.rows[row];
+  return {{column.begin, rows.begin, column.size, rows.size}, source_};
+}
+
+// Columns met for the first time start with the slots of least cost.
+void WindowPass::load(int place, const Interval& rows) {
+  strip_.load_rows(place, rows.begin, rows.size);
+  if (!first_) return;
+  for (int x = strip_.piece_begin(place); x < std::min(strip_.end(place), source_.width()); ++x)
+    for (int y = rows.begin; y < rows.begin + rows.size; ++y) {
+      const int p = strip_.pixel(x) + y;
+      taken_.set(strip_.column(x), y, cheapest_slot(strip_.terms(), p), strip_.terms(), p);
+    }
+}
+
+// True if slots changed.
+bool WindowPass::solve(int place, const FramedWindow& window) {
+  const Window part{strip_.begin(place), window.outer.y, window.outer.width, window.outer.height};
+  if (!strip_.any_solved(part)) return false;
+  auto scratch = pool_.take();
+  strip_.copy(part, scratch->grid);
+  take_labels(window.outer, taken_.slots, scratch->grid);
+  fold_ring(window, smoothness_, scratch->grid);
+  const bool changed = scratch->solve(smoothness_, source_.slots(), effort_, *job_);
+  if (changed) taken_.store(window, scratch->grid);
+  pool_.give(std::move(scratch));
+  return changed;
+}
+
+// Takes note of the columns that no windows of later places hold.
+void WindowPass::finish(int place) {
+  final_ += energy_finished(place, [&](int x) { return taken(x); });
+  if (first_) initial_ += energy_finished(place, [&](int x) { return cheapest(x); });
+  if (regions_ != nullptr) {
+    const PixelTerms& terms = strip_.terms();
+    for (int x = strip_.begin(place); x < strip_.end(place); ++x)
+      if (last_place(x) == place) regions_->add_column(terms, strip_.pixel(x), strip_.column(x), source_, taken_.slots);
+    for (int x = strip_.begin(place); x + 1 < strip_.end(place); ++x)
+      if (seam_finished(x, place))
+        regions_->add_seam(terms, strip_.pixel(x), strip_.pixel(x + 1), strip_.column(x), source_, taken_.slots);
+  }
+  job_->report("solve", (place + 1.0) / static_cast<double>(cuts_.columns.size()));
+}
+
+// Whether the columns on both sides of the seam after a column of a place are finished, and not both before it.
+bool WindowPass::seam_finished(int x, int place) const { return std::max(last_place(x), last_place(x + 1)) == place; }
+
+// Energy of the columns that a place finishes and of their edges to columns finished.
+template <typename SlotsOf>
+Energy WindowPass::energy_finished(int place, const SlotsOf& slots_of) const {
+  Energy energy;
+  std::vector<uint8_t> before;
+  for (int x = strip_.begin(place); x < strip_.end(place); ++x) {
+    std::vector<uint8_t> slots;
+    if (last_place(x) <= place) slots = slots_of(x);  // of others nothing may be read: they are being worked on
+    if (last_place(x) == place) energy += strip_.column_energy(x, slots);
+    if (x > strip_.begin(place) && seam_finished(x - 1, place))
+      energy.smoothness += strip_.seam_energy(x - 1, before, slots);
+    before = std::move(slots);
+  }
+  return energy;
+}
+
+std::vector<uint8_t> WindowPass::cheapest(int x) const {
+  std::vector<uint8_t> slots(at(source_.height()));
+  for (int y = 0; y < source_.height(); ++y) slots[at(y)] = cheapest_slot(strip_.terms(), strip_.pixel(x) + y);
+  return slots;
+}
+
+std::vector<uint8_t> WindowPass::taken(int x) const {
+  std::vector<uint8_t> slots(at(source_.height()));
+  for (int y = 0; y < source_.height(); ++y) slots[at(y)] = taken_.slots.at(strip_.column(x), y);
+  return slots;
+}
+
+}  // namespace ldp

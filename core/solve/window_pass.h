@@ -1,0 +1,71 @@
+// Solves every window of a problem once: each window's labels are improved with everything outside it held fixed, so
+// that the energy of the whole never rises. Windows form columns, and those of a column hold each its place on the way
+// of the strip. A window waits for its neighbours in the column before, and every second one for those above and below
+// it; this order alone, not timing, decides what a window sees of others. Columns further on are loaded meanwhile.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "cuts.h"
+#include "job.h"
+#include "label_grid.h"
+#include "regions.h"
+#include "slots_taken.h"
+#include "smoothness.h"
+#include "strip.h"
+#include "task_order.h"
+#include "window_scratch.h"
+
+namespace ldp {
+
+class WindowPass {
+ public:
+  // On the first pass pixels start with the slots of least cost, later with those taken. `regions`, unless nullptr, is
+  // given all columns as the pass leaves them.
+  WindowPass(const GridSource& source, const Smoothness& smoothness, const WindowCuts& cuts, const Effort& effort,
+             bool first, SlotsTaken& taken, Regions* regions);
+
+  // True if slots changed.
+  bool run(const Job& job);
+
+  const Energy& initial() const { return initial_; }  // of the slots of least cost; of the first pass only
+  const Energy& final() const { return final_; }
+  size_t bytes() const { return strip_.bytes() + pool_.bytes(); }
+
+ private:
+  using Task = TaskOrder::Task;
+
+  void plan_walk();
+  std::vector<Task> add_loads(TaskOrder& order, int place, const std::vector<Task>& finished);
+  std::vector<Task> add_windows(TaskOrder& order, int place, const std::vector<Task>& loads,
+                                const std::vector<Task>& before);
+  FramedWindow window(int place, size_t row) const;
+  void load(int place, const Interval& rows);
+  bool solve(int place, const FramedWindow& window);
+  void finish(int place);
+  int last_place(int x) const { return last_place_[static_cast<size_t>(strip_.column(x))]; }
+  bool seam_finished(int x, int place) const;
+  template <typename SlotsOf>
+  Energy energy_finished(int place, const SlotsOf& slots_of) const;
+  std::vector<uint8_t> cheapest(int x) const;
+  std::vector<uint8_t> taken(int x) const;
+
+  const GridSource& source_;
+  const Smoothness& smoothness_;
+  const WindowCuts& cuts_;
+  const Effort effort_;
+  const bool first_;
+  SlotsTaken& taken_;
+  Regions* regions_;
+  const Job* job_ = nullptr;
+  Strip strip_;
+  ScratchPool pool_;
+  std::vector<Interval> loads_;   // of rows
+  std::vector<int> last_place_;   // of every column of the source, the last whose windows hold it
+  std::vector<uint8_t> changed_;  // per window
+  Energy initial_, final_;
+};
+
+}  // namespace ldp
