@@ -47,18 +47,7 @@ size_t LabelGrid::bytes() const {
          label.capacity() + fresh.capacity();
 }
 
-void LabelGrid::find_grey_ranges() {
-  for (int p = 0; p < size(); ++p) {
-    const uint8_t* of = greys(p);
-    uint8_t least = 255, largest = 0;
-    for (int slot = 0; slot < kSlots; ++slot) {
-      least = std::min(least, of[slot]);
-      largest = std::max(largest, of[slot]);
-    }
-    grey_range[static_cast<size_t>(p) * 2] = least;
-    grey_range[static_cast<size_t>(p) * 2 + 1] = largest;
-  }
-}
+void LabelGrid::find_grey_ranges() { message_kernels().grey_ranges(grey.data(), size(), grey_range.data()); }
 
 KernelGrid LabelGrid::kernel_grid(const Smoothness& smoothness) {
   KernelGrid grid;

@@ -38,6 +38,10 @@ struct MessageKernels {
   // Unary cost of moving p to each of the 16 slots, pair terms shared as in Expansion::edge_terms. Returns a bit per
   // slot whose cost is negative.
   unsigned (*gains)(const KernelGrid& grid, int p, int16_t* gain);
+  // The first slot of least cost of each of `count` pixels. Costs below 2^15.
+  void (*cheapest)(const uint16_t* cost, int count, uint8_t* slot);
+  // Least and largest of the 16 greys of each of `count` pixels, 2 per pixel.
+  void (*grey_ranges)(const uint8_t* grey, int count, uint8_t* range);
 };
 
 const MessageKernels& message_kernels();  // for the processor at hand

@@ -61,10 +61,10 @@ struct Labelling {
 Labelling solve_depth(const CostSource& costs, const Plane<uint8_t>& mask, const SolveOptions& options, const Job& job);
 
 struct ColourSolveOptions {
-  double lambda = 2;                  // in degrees
-  int truncation = 2;                 // frames
-  double contrast = 0.1;              // per depth label
-  int core_px = 128, margin_px = 16;  // as for depth
+  double lambda = 2;                // in degrees
+  int truncation = 2;               // frames
+  double contrast = 0.1;            // per depth label
+  int core_px = 96, margin_px = 8;  // as for depth
   int iterations = 8;
   int cycles = 20;
   int passes = 0;  // 0: 2 on small grids, else 1

@@ -7,13 +7,9 @@ namespace ldp {
 
 namespace {
 
-constexpr int kLoadRows = 256, kLoadMargin = 0;
+constexpr int kLoadRows = 400, kLoadMargin = 0;
 
 size_t at(int i) { return static_cast<size_t>(i); }
-
-uint8_t cheapest_slot(const PixelTerms& terms, int p) {
-  return static_cast<uint8_t>(std::min_element(terms.costs(p), terms.costs(p) + kSlots) - terms.costs(p));
-}
 
 bool share_rows(const Interval& rows, const Window& window) {
   return rows.begin < window.y + window.height && window.y < rows.begin + rows.size;
@@ -102,11 +98,13 @@ FramedWindow WindowPass::window(int place, size_t row) const {
 void WindowPass::load(int place, const Interval& rows) {
   strip_.load_rows(place, rows.begin, rows.size);
   if (!first_) return;
-  for (int x = strip_.piece_begin(place); x < std::min(strip_.end(place), source_.width()); ++x)
-    for (int y = rows.begin; y < rows.begin + rows.size; ++y) {
-      const int p = strip_.pixel(x) + y;
-      taken_.set(strip_.column(x), y, cheapest_slot(strip_.terms(), p), strip_.terms(), p);
-    }
+  std::vector<uint8_t> slots(at(rows.size));
+  for (int x = strip_.piece_begin(place); x < std::min(strip_.end(place), source_.width()); ++x) {
+    const int first = strip_.pixel(x) + rows.begin;
+    message_kernels().cheapest(strip_.terms().costs(first), rows.size, slots.data());
+    for (int i = 0; i < rows.size; ++i)
+      taken_.set(strip_.column(x), rows.begin + i, slots[at(i)], strip_.terms(), first + i);
+  }
 }
 
 // True if slots changed.
@@ -159,7 +157,7 @@ Energy WindowPass::energy_finished(int place, const SlotsOf& slots_of) const {
 
 std::vector<uint8_t> WindowPass::cheapest(int x) const {
   std::vector<uint8_t> slots(at(source_.height()));
-  for (int y = 0; y < source_.height(); ++y) slots[at(y)] = cheapest_slot(strip_.terms(), strip_.pixel(x) + y);
+  message_kernels().cheapest(strip_.terms().costs(strip_.pixel(x)), source_.height(), slots.data());
   return slots;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kFine = 8;   // fine steps a label
 constexpr int kReach = 6;  // fine steps either side of the label's middle that are tried
-constexpr int kTileWidth = 64, kTileHeight = 128;
+constexpr int kTileWidth = 64, kTileHeight = 256;
 
 constexpr int16_t kNone = 0x7FFF, kNever = -0x4000;
 

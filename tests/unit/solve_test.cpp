@@ -6,6 +6,8 @@
 #include <atomic>
 #include <cmath>
 #include <functional>
+#include <latch>
+#include <mutex>
 #include <random>
 
 #include "expansion.h"
@@ -256,16 +258,21 @@ TEST(TaskOrder, does_every_task_once_after_those_it_waits_for) {
   }
 }
 
-TEST(TaskOrder, one_thread_takes_the_first_task_that_is_ready) {
+TEST(TaskOrder, goes_past_a_task_that_still_waits_to_the_first_that_does_not) {
+  std::mutex mutex;
   std::vector<int> done;
+  const auto note = [&](int i) {
+    const std::scoped_lock lock(mutex);
+    done.push_back(i);
+  };
+  std::latch last_but_two(1);
   TaskOrder order;
-  const auto note = [&](int i) { return [&done, i] { done.push_back(i); }; };
-  order.add(note(0), {});
-  order.add(note(1), {});
-  order.add(note(2), {0});
-  order.add(note(3), {1, 2});
-  order.run(on_threads(1));
-  EXPECT_THAT(done, testing::ElementsAre(0, 1, 2, 3));
+  order.add([&] { last_but_two.wait(), note(0); }, {});
+  order.add([&] { note(1); }, {});
+  order.add([&] { note(2); }, {0, 1});
+  order.add([&] { note(3), last_but_two.count_down(); }, {1});
+  order.run(on_threads(2));
+  EXPECT_THAT(done, testing::ElementsAre(1, 3, 0, 2));
 }
 
 TEST(TaskOrder, rethrows_what_a_task_threw_and_begins_none_that_waits_for_it) {
@@ -451,6 +458,26 @@ TEST(MessageKernels, every_instruction_set_gives_the_same_gains_and_labels) {
       results.push_back(result);
     }
     for (const auto& result : results) EXPECT_EQ(result, results[0]);
+  }
+}
+
+TEST(MessageKernels, every_instruction_set_finds_the_first_least_cost_and_the_range_of_greys) {
+  const LabelGrid random = random_grid(9, 7, 5, false);
+  std::vector<uint16_t> costs = random.cost;
+  for (size_t i = 0; i < costs.size(); i += 3) costs[i] = static_cast<uint16_t>(costs[i] % 4);  // many equal ones
+  costs[5] = kForbidden;
+  for (const MessageKernels* kernels : all_kernels()) {
+    std::vector<uint8_t> slots(static_cast<size_t>(random.size())), ranges(slots.size() * 2);
+    kernels->cheapest(costs.data(), random.size(), slots.data());
+    kernels->grey_ranges(random.grey.data(), random.size(), ranges.data());
+    for (size_t p = 0; p < slots.size(); ++p) {
+      const auto* of_pixel = costs.data() + p * kSlots;
+      EXPECT_EQ(slots[p], std::min_element(of_pixel, of_pixel + kSlots) - of_pixel);
+      const auto [least, largest] =
+          std::minmax_element(random.grey.data() + p * kSlots, random.grey.data() + (p + 1) * kSlots);
+      EXPECT_EQ(ranges[2 * p], *least);
+      EXPECT_EQ(ranges[2 * p + 1], *largest);
+    }
   }
 }
 
