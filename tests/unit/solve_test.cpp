@@ -7,11 +7,14 @@
 #include <cmath>
 #include <functional>
 #include <latch>
+#include <map>
 #include <mutex>
 #include <random>
 
+#include "depth_problem.h"
 #include "expansion.h"
 #include "label_grid.h"
+#include "regions.h"
 #include "smoothness.h"
 #include "task_order.h"
 
@@ -304,6 +307,104 @@ TEST(Solve, stops_when_asked) {
   Job job;
   job.stop = stop.get_token();
   EXPECT_THROW(solve_depth(costs, {}, {}, job), Cancelled);
+}
+
+// A small problem, labels that cut it into a few regions, and the regions.
+struct FewRegions {
+  static constexpr int kWidth = 12, kHeight = 10, kLabelCount = 4;
+
+  FewRegions(unsigned seed, bool one_grey)
+      : costs(random_costs(kWidth, kHeight, kLabelCount, seed % 3 == 0, seed, 40, one_grey ? 1 : 120)),
+        labels(kWidth, kHeight) {
+    if (one_grey) std::fill(costs.median.begin(), costs.median.end(), uint8_t{90});
+    std::mt19937 random(seed);
+    for (int x = 0; x < kWidth; x += 6)
+      for (int y = 0; y < kHeight; y += 5) {
+        const auto label = static_cast<uint8_t>(random() % kLabelCount);
+        for (int i = 0; i < 30; ++i) labels.at(x + i / 5, y + i % 5) = label;
+      }
+    terms.resize(kWidth, kHeight, false);
+    problem.source().load({0, 0, kWidth, kHeight}, terms, 0);
+    for (int x = 0; x < kWidth; ++x) regions.add_column(terms, x * kHeight, x, problem.source(), labels);
+    for (int x = 0; x + 1 < kWidth || (costs.wraps() && x < kWidth); ++x)
+      regions.add_seam(terms, x * kHeight, (x + 1) % kWidth * kHeight, x, problem.source(), labels);
+  }
+
+  int64_t energy(const Plane<uint8_t>& of) const {
+    int64_t sum = 0;
+    const auto pair = [&](int x, int y, int x2, int y2) {
+      return terms.pair(problem.smoothness(), 1, x * kHeight + y, of.at(x, y), x2 * kHeight + y2, of.at(x2, y2));
+    };
+    for (int x = 0; x < kWidth; ++x)
+      for (int y = 0; y < kHeight; ++y) {
+        sum += terms.costs(x * kHeight + y)[of.at(x, y)];
+        if (y + 1 < kHeight) sum += pair(x, y, x, y + 1);
+        if (x + 1 < kWidth || costs.wraps()) sum += pair(x, y, (x + 1) % kWidth, y);
+      }
+    return sum;
+  }
+
+  Plane<uint8_t> moved() const {
+    Plane<uint8_t> now = labels;
+    for (int x = 0; x < kWidth; ++x)
+      for (int y = 0; y < kHeight; ++y) now.at(x, y) = regions.label_of(x, y, labels.at(x, y));
+    return now;
+  }
+
+  // The least energy with some regions moved to a label, of all choices.
+  int64_t least_after_a_move(const Plane<uint8_t>& from) const {
+    std::map<std::array<int, 3>, int> number;  // by block and first label
+    const auto key = [&](int x, int y) { return std::array<int, 3>{x / 8, y / 8, labels.at(x, y)}; };
+    for (int x = 0; x < kWidth; ++x)
+      for (int y = 0; y < kHeight; ++y) number.emplace(key(x, y), static_cast<int>(number.size()));
+    int64_t least = energy(from);
+    for (uint8_t alpha = 0; alpha < kLabelCount; ++alpha)
+      for (int subset = 0; subset < 1 << number.size(); ++subset) {
+        Plane<uint8_t> candidate = from;
+        for (int x = 0; x < kWidth; ++x)
+          for (int y = 0; y < kHeight; ++y)
+            if (subset >> number.at(key(x, y)) & 1) candidate.at(x, y) = alpha;
+        least = std::min(least, energy(candidate));
+      }
+    return least;
+  }
+
+  ArrayCosts costs;
+  Plane<uint8_t> labels;
+  PixelTerms terms;
+  SolveOptions options;
+  DepthProblem problem{costs, no_mask, options};
+  Regions regions{kWidth, kHeight, kLabelCount, problem.smoothness()};
+  static inline const Plane<uint8_t> no_mask;
+};
+
+TEST(Regions, move_until_no_set_of_them_gains_by_moving_to_one_label) {
+  int fell = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    FewRegions few(seed, true);
+    const int64_t before = few.energy(few.labels);
+    EXPECT_EQ(few.regions.energy().total(), before) << "seed " << seed;
+    few.regions.move(20, {});
+    const Plane<uint8_t> moved = few.moved();
+    EXPECT_EQ(few.energy(moved), few.regions.energy().total()) << "seed " << seed;
+    EXPECT_EQ(few.energy(moved), few.least_after_a_move(moved)) << "seed " << seed;
+    fell += few.energy(moved) < before;
+  }
+  EXPECT_GT(fell, 20);
+}
+
+TEST(Regions, energy_falls_by_at_least_what_they_say_where_greys_differ) {
+  int fell = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    FewRegions few(seed, false);
+    const int64_t before = few.energy(few.labels);
+    EXPECT_EQ(few.regions.energy().total(), before) << "seed " << seed;
+    few.regions.move(20, {});
+    EXPECT_LE(few.energy(few.moved()), few.regions.energy().total()) << "seed " << seed;
+    EXPECT_LE(few.regions.energy().total(), before) << "seed " << seed;
+    fell += few.regions.energy().total() < before;
+  }
+  EXPECT_GT(fell, 10);
 }
 
 // A small grid with random costs, greys, edges and messages.
