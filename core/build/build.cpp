@@ -30,6 +30,7 @@ void check(const BuildOptions& options) {
 }
 
 constexpr double kCoarser = 1.05, kCoarsest = 3;  // steps of the panorama's pitch, and its limit, to save memory
+constexpr double kFull = 0.75;  // share of the memory allowed at which large arrays are let go: it takes a moment
 // Message passing and expansion of every cut. As many cycles as find something take longer for views as good.
 constexpr int kIterations = 4, kCycles = 1;
 // Windows that moving regions touched are not solved again: energies of true sweeps are 0.02 to 0.06 % above those with
@@ -110,22 +111,34 @@ class Build {
 
   // Lays the finest grid that fits the memory allowed, and gives its pitch.
   double lay_finest_grid(GridOptions options) {
+    const size_t allowed = options_.memory_bytes > 0 ? options_.memory_bytes : kEasyMemory;
     for (;; options.pitch_px *= kCoarser) {
       grid_ = lay_grid(report_.arc.arc, poses_.cameras, poses_.points, options);
       const Intrinsics& k = poses_.cameras.front().intrinsics;
       const size_t photo_px = static_cast<size_t>(k.width) * static_cast<size_t>(k.height);
-      const size_t needed = expected_peak_bytes(
+      const ExpectedMemory needed = expected_memory(
           grid_, photo_px, upright_pixels(poses_.cameras, report_.arc.arc, options.pitch_px), options_.layers);
-      if (options_.memory_bytes == 0 || needed <= options_.memory_bytes) {
+      if (needed.all > allowed && !scratch_) open_scratch(allowed);
+      if (options_.memory_bytes == 0 || (scratch_ ? needed.least : needed.all) <= allowed) {
         if (options.pitch_px > 1)
           report_.notes.push_back("to fit the memory allowed, a pixel of the panorama spans " +
                                   std::to_string(options.pitch_px).substr(0, 4) + " of the photos'");
         return options.pitch_px;
       }
       if (options.pitch_px > kCoarsest)
-        throw Impossible("this sweep needs at least " + mebibytes(needed) + " of memory, " +
-                         mebibytes(options_.memory_bytes) +
+        throw Impossible("this sweep needs at least " + mebibytes(scratch_ ? needed.least : needed.all) +
+                         " of memory, " + mebibytes(options_.memory_bytes) +
                          " are allowed (--memory): allow more or use smaller photos");
+    }
+  }
+
+  void open_scratch(size_t allowed) {
+    if (options_.scratch_directory.empty()) return;
+    try {
+      scratch_ = std::make_unique<ScratchSpace>(options_.scratch_directory,
+                                                static_cast<size_t>(kFull * static_cast<double>(allowed)));
+    } catch (const std::runtime_error& error) {
+      report_.notes.push_back(std::string("everything is kept in memory: ") + error.what());
     }
   }
 
@@ -287,6 +300,7 @@ class Build {
     }
     report_.poses = poses_.report;
     result.report = std::move(report_);
+    result.scratch = std::move(scratch_);
     return result;
   }
 
@@ -356,6 +370,7 @@ class Build {
   BuildReport report_;
   Stopwatch watch_;
   DebugPictures pictures_;
+  std::unique_ptr<ScratchSpace> scratch_;
   Poses poses_;
   PanoramaGrid grid_;
   std::vector<UprightFrame> upright_;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,9 +14,12 @@
 #include "job.h"
 #include "panorama.h"
 #include "poses.h"
+#include "scratch_space.h"
 #include "solve.h"
 
 namespace ldp {
+
+constexpr size_t kEasyMemory = 128 << 20;  // bytes that every board has to spare
 
 struct BuildOptions {
   int layers = 3;   // 1 .. 8
@@ -26,7 +30,10 @@ struct BuildOptions {
   Rays rays = Rays::pushbroom;
   int block_px = 16;                     // of the depth codes; 0 = uniform codes
   double near_depth = 0, far_depth = 0;  // capture's unit; 0 = from the points
-  size_t memory_bytes = 0;               // of the whole process from the poses on, by a coarser pitch; 0 = no limit
+  // Of the whole process from the poses on; what is beyond it goes to scratch_directory or, where even that is not
+  // enough, the panorama is coarser. 0: never coarser, but beyond kEasyMemory large arrays go to scratch_directory.
+  size_t memory_bytes = 0;
+  std::string scratch_directory;  // a writable folder; empty = everything stays in memory
   PosesOptions poses;
   std::vector<Camera> cameras;  // empty = estimate
   std::string debug_directory;  // empty = no pictures
@@ -49,6 +56,7 @@ struct BuildReport {
 };
 
 struct BuildResult {
+  std::unique_ptr<ScratchSpace> scratch;  // where the panorama's arrays may live; nullptr: in memory
   LayeredPanorama panorama;
   BuildReport report;
 };

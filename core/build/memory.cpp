@@ -5,22 +5,25 @@
 namespace ldp {
 namespace {
 
-constexpr size_t kProgram = 33'000'000;                    // code, libraries, poses
-constexpr size_t kPhotoPixel = 6;                          // of one photo and the next
-constexpr size_t kSolver = 6'000'000, kStripRow = 11'000;  // windows of two threads; columns in work
-constexpr size_t kUprightPixel = 4;                        // grey, tint and visibility
-constexpr size_t kDisparity = 2, kSolvedPixel = 10;        // of each layer; of the layer that is being found
-constexpr size_t kColouredLayerPixel = 11, kSeams = 14;    // everything of each layer; where photos meet
+constexpr size_t kProgram = 33'000'000;                      // code, libraries, poses
+constexpr size_t kPhotoPixel = 6;                            // of one photo and the next
+constexpr size_t kSolver = 6'000'000, kStripRow = 11'000;    // windows of two threads; columns in work
+constexpr size_t kUprightPixel = 4;                          // grey, tint and visibility
+constexpr size_t kDisparity = 2, kSolvedPixel = 10;          // of each layer; of the layer that is being found
+constexpr size_t kColouredLayerPixel = 11, kSeams = 14;      // everything of each layer; where photos meet
+constexpr size_t kHeldPixel = 3, kArraysInWork = 8'000'000;  // beside a scratch space: what is no array of samples;
+                                                             // what is touched before it is let go again
 
 }  // namespace
 
-size_t expected_peak_bytes(const PanoramaGrid& grid, size_t photo_px, size_t upright_px, int layers) {
+ExpectedMemory expected_memory(const PanoramaGrid& grid, size_t photo_px, size_t upright_px, int layers) {
   const auto height = static_cast<size_t>(grid.height), count = static_cast<size_t>(layers);
   const size_t panorama_px = static_cast<size_t>(grid.width) * height;
-  const size_t solving =
-      kSolver + kStripRow * height + kUprightPixel * upright_px + (kDisparity * count + kSolvedPixel) * panorama_px;
+  const size_t always = kProgram + kPhotoPixel * photo_px, strip = kSolver + kStripRow * height;
+  const size_t solving = strip + kUprightPixel * upright_px + (kDisparity * count + kSolvedPixel) * panorama_px;
   const size_t colouring = (kColouredLayerPixel * count + kSeams) * panorama_px;  // the upright frames are gone by then
-  return kProgram + kPhotoPixel * photo_px + std::max(solving, colouring);
+  const size_t all = always + std::max(solving, colouring);
+  return {all, std::min(all, always + strip + kHeldPixel * panorama_px + kArraysInWork)};
 }
 
 }  // namespace ldp

@@ -7,8 +7,12 @@
 
 namespace ldp {
 
-// Bytes of the whole process, from the panorama's grid, the pixels of one photo and of all upright frames together, and
-// the layers.
-size_t expected_peak_bytes(const PanoramaGrid& grid, size_t photo_px, size_t upright_px, int layers);
+struct ExpectedMemory {  // bytes, of the whole process
+  size_t all = 0;
+  size_t least = 0;  // when large arrays may live in a scratch space
+};
+
+// From the panorama's grid, the pixels of one photo and of all upright frames together, and the layers.
+ExpectedMemory expected_memory(const PanoramaGrid& grid, size_t photo_px, size_t upright_px, int layers);
 
 }  // namespace ldp

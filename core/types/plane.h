@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "scratch_space.h"
+
 namespace ldp {
 
 // An 8-bit sRGB colour, as stored in photographs (gamma-coded).
@@ -17,9 +19,12 @@ struct Rgb {
 };
 
 template <typename T>
+using Samples = std::vector<T, LargeArrays<T>>;
+
+template <typename T>
 struct Plane {
   int width = 0, height = 0;
-  std::vector<T> samples;  // width * height, row by row
+  Samples<T> samples;  // width * height, row by row
 
   Plane() = default;
   Plane(int w, int h, T value = T{})

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -71,7 +72,8 @@ int run(const BuildCommand& command, const Session& session) {
   PoseEstimator begun{PosesOptions{}};
   if (command.follow) begun = follow_capture(command.setup, STDIN_FILENO, job);
   const auto begin = std::chrono::steady_clock::now();
-  const PreparedBuild prepared = prepare(command.setup);
+  PreparedBuild prepared = prepare(command.setup);
+  prepared.options.scratch_directory = std::filesystem::absolute(command.output).parent_path().string();
   BuildResult result = build_with_pictures(prepared, command.debug, job, std::move(begun));
   add_metadata(prepared.notes, result.panorama);
   const std::vector<uint8_t> file = encode_ldp(result.panorama, {command.setup.colour_quality}, job);
@@ -83,6 +85,7 @@ int run(const BuildCommand& command, const Session& session) {
   report["options"]["threads"] = session.thread_count();
   report["seconds"]["whole"] = seconds;
   report["peak_memory_bytes"] = peak_memory_bytes();
+  report["scratch_files"] = result.scratch != nullptr;
   report["bytes"] = sizes_json(file);
   if (!command.report.empty()) write_text(command.report, report.dump(1) + "\n");
   bar.reset();

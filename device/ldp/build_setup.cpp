@@ -55,8 +55,10 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
       ->check(CLI::Range(1, 101))
       ->capture_default_str();
   command
-      .add_option("--memory", build.memory_bytes,
-                  "Memory to work in, such as 128M, by a coarser panorama; 0 = as much as it takes")
+      .add_option(
+          "--memory", build.memory_bytes,
+          "Memory to work in, such as 128M, if need be by a coarser panorama; 0 = full detail, large arrays beyond "
+          "128M in files without names beside the output")
       ->transform(CLI::AsSizeValue(false))
       ->default_str("0");
 }

@@ -308,6 +308,28 @@ TEST_F(Flow, LittleMemoryMakesACoarserPanoramaAndTooLittleIsRefused) {
   EXPECT_THAT(reasons[0].get<std::string>(), HasSubstr("to fit the memory allowed"));
 }
 
+TEST_F(Flow, BeyondItsMemoryABuildWorksInFilesWithoutNamesAndWritesTheSameBytes) {
+  ASSERT_EQ(
+      ldp({"scene", "room", "-o", path("room"), "--frames", "10", "--arc", "120", "--size", "640x480", "--no-novel"})
+          .status,
+      0);
+  const auto built = [&](const std::string& memory) {
+    const std::string file = path("out/" + memory + ".ldp");
+    const Outcome outcome = ldp({"build", path("room"), "-o", file, "--cameras", path("room/transforms.json"),
+                                 "--layers", "1", "--labels", "4", "--memory", memory, "--json"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const auto report = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(report["scratch_files"], memory != "0");
+    EXPECT_EQ(report["notes"].size(), 0U) << outcome.out;
+    return read_file(file);
+  };
+  fs::create_directory(path("out"));
+  const std::vector<uint8_t> easy = built("0"), tight = built("60M");
+  EXPECT_TRUE(easy == tight);
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), fs::directory_iterator()), 2)
+      << "more than the panoramas";
+}
+
 TEST_F(Flow, RefusesAPanoramaThatWasCutShortOrChanged) {
   const std::string file = panorama(capture());
   fs::copy_file(file, path("cut.ldp"));

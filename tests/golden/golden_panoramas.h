@@ -31,7 +31,7 @@ inline std::string plane_checksums(const LayeredPanorama& panorama) {
   std::string text;
   for (size_t l = 0; l < panorama.layers.size(); ++l) {
     const Layer& layer = panorama.layers[l];
-    std::vector<uint8_t> disparity, alpha, colour;
+    Samples<uint8_t> disparity, alpha, colour;
     for (const uint16_t d : decode_depth(layer.depth, layer.coverage).samples) {
       disparity.push_back(static_cast<uint8_t>(d & 255));
       disparity.push_back(static_cast<uint8_t>(d >> 8));
@@ -41,7 +41,7 @@ inline std::string plane_checksums(const LayeredPanorama& panorama) {
       const Rgb c = layer.colour.samples[i];
       colour.insert(colour.end(), {c.r, c.g, c.b});
     }
-    const auto print = [&](const char* name, const std::vector<uint8_t>& bytes) {
+    const auto print = [&](const char* name, const Samples<uint8_t>& bytes) {
       char line[64];
       std::snprintf(line, sizeof line, "layer %d %s %08x\n", static_cast<int>(l) + 1, name,
                     static_cast<unsigned>(crc32c(bytes)));

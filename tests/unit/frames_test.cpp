@@ -150,7 +150,7 @@ TEST(ResizeByArea, AveragesExactly) {
   EXPECT_EQ(thirds.at(0, 0).r, 3);                      // (0 * 3 + 10 * 1) / 4 = 2.5
   GreyImage grey(4, 2);
   std::transform(image.samples.begin(), image.samples.end(), grey.samples.begin(), [](const Rgb& p) { return p.r; });
-  EXPECT_EQ(resize_by_area(grey, 2, 1).samples, (std::vector<uint8_t>{55, 75}));
+  EXPECT_EQ(resize_by_area(grey, 2, 1).samples, (Samples<uint8_t>{55, 75}));
   EXPECT_THROW(resize_by_area(image, 5, 1), std::logic_error);
 }
 

@@ -1,0 +1,64 @@
+// Room on disk for large arrays, for jobs that are larger than the memory they may take.
+//
+// While a ScratchSpace exists, arrays of 256 KiB or more that LargeArrays allocates (the samples of planes) are
+// mapped from files without names in its folder. Whenever the process holds more than its budget, all of them are let
+// go from resident memory; what is touched again comes back from the page cache, or from disk where the kernel needed
+// the room. Values are the same with and without. Where the disk is full arrays live in memory as ever.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <new>
+#include <string>
+#include <type_traits>
+
+namespace ldp {
+
+// One at a time in a process.
+class ScratchSpace {
+ public:
+  // Throws std::runtime_error where no file can be made in the folder or files there are memory
+  // themselves, std::logic_error for a second one. Arrays that
+  // outlive it stay readable, and are no longer let go.
+  ScratchSpace(const std::string& folder, size_t resident_bytes);
+  ~ScratchSpace();
+  ScratchSpace(const ScratchSpace&) = delete;
+  ScratchSpace& operator=(const ScratchSpace&) = delete;
+
+  size_t bytes() const;  // of the arrays that live in it now
+
+ private:
+  struct Keeper;
+  std::unique_ptr<Keeper> keeper_;
+};
+
+// nullptr where there is no scratch space, or no room in it.
+void* map_scratch(size_t bytes);
+// Whether the array was mapped, and is gone now.
+bool unmap_scratch(void* array) noexcept;
+
+template <typename T>
+struct LargeArrays {
+  using value_type = T;
+  using is_always_equal = std::true_type;
+
+  LargeArrays() = default;
+  template <typename U>
+  LargeArrays(const LargeArrays<U>&) noexcept {}  // as std::allocator converts
+
+  T* allocate(size_t count) {
+    if (count >= kLeastBytes / sizeof(T))
+      if (void* array = map_scratch(count * sizeof(T))) return static_cast<T*>(array);
+    return std::allocator<T>().allocate(count);
+  }
+  void deallocate(T* array, size_t count) noexcept {
+    if (count >= kLeastBytes / sizeof(T) && unmap_scratch(array)) return;
+    std::allocator<T>().deallocate(array, count);
+  }
+  friend bool operator==(const LargeArrays&, const LargeArrays&) { return true; }
+
+ private:
+  static constexpr size_t kLeastBytes = 1 << 18;
+};
+
+}  // namespace ldp
