@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -11,6 +12,32 @@ constexpr double kCostPerDegree = 64;
 constexpr double kCostPerRadian = kCostPerDegree * 180 / std::numbers::pi;
 constexpr int kMaxCandidates = 8;      // the cameras nearest to the ray among those that see the voxel
 constexpr double kBehindCamera = 0.1;  // least forward * w of a voxel worth projecting
+constexpr int kNoise = 3;              // levels by which samples of one surface may differ,
+constexpr int kUneven = 16;            // and this part of their grey: vignettes, exposure, highlights
+constexpr int kMostDiffer = 60;        // what differs more is just another surface
+
+// Between four samples of a picture stored column by column.
+uint8_t interpolated(const GreyImage& columns, double x_px, double y_px) {
+  const int x16 = static_cast<int>((x_px - 0.5) * 16), y16 = static_cast<int>((y_px - 0.5) * 16);
+  const int right = x16 & 15, below = y16 & 15;
+  const uint8_t *a = columns.row(x16 >> 4) + (y16 >> 4), *b = columns.row((x16 >> 4) + 1) + (y16 >> 4);
+  const int left_side = a[0] * (16 - below) + a[1] * below, right_side = b[0] * (16 - below) + b[1] * below;
+  return static_cast<uint8_t>((left_side * (16 - right) + right_side * right + 128) >> 8);
+}
+
+// The values in the middle when sorted: of an odd number the median twice.
+struct Middle {
+  int low = 0, high = 0;
+
+  template <typename Value>
+  Middle(int count, const Value& value) {
+    std::array<int, kMaxCandidates> sorted;
+    for (int i = 0; i < count; ++i) sorted[static_cast<size_t>(i)] = value(i);
+    std::sort(sorted.begin(), sorted.begin() + count);
+    low = sorted[static_cast<size_t>((count - 1) / 2)], high = sorted[static_cast<size_t>(count / 2)];
+  }
+  int beyond(int noise, int value) const { return std::max({0, low - value - noise, value - high - noise}); }
+};
 
 }  // namespace
 
@@ -65,17 +92,17 @@ SourceCandidates::Seen SourceCandidates::look(size_t frame, double x_px, double 
   return {true, mixed};
 }
 
-int SourceCandidates::cost_from(size_t frame, int x, int y, double w, bool through) const {
+SourceCandidates::Candidate SourceCandidates::candidate(uint8_t frame, int x, int y, double w, bool through) const {
   const VoxelProjection& projection = projections_[frame];
   const auto u = projection.column(headings_[static_cast<size_t>(x)]);
   const double forward = projection.forward(u, w);
-  if (forward < kBehindCamera) return -1;
+  if (forward < kBehindCamera) return {};
   const UprightCamera& camera = frames_[frame].camera;
   const double right = projection.right(u, w), x_px = camera.focal * right / forward + camera.cx;
-  if (!(x_px >= 0.5 && x_px < camera.width - 0.5)) return -1;
+  if (!(x_px >= 0.5 && x_px < camera.width - 0.5)) return {};
   const double v = grid_.v(y + 0.5), up = projection.up(v, w), y_px = camera.cy - camera.focal * up / forward;
   const Seen seen = look(frame, x_px, y_px, w / forward, through);
-  if (!seen.visible) return -1;
+  if (!seen.visible) return {};
   // Chord between the unit vectors of both rays: the angle, to 2 % up to 40 degrees.
   const double length2 = (right * right + forward * forward + up * up) * (1 + v * v);
   const double cosine = (right * u.right + forward * u.forward + up * v) / std::sqrt(length2);
@@ -83,7 +110,8 @@ int SourceCandidates::cost_from(size_t frame, int x, int y, double w, bool throu
   const double off_x = (x_px - camera.cx) / camera.width, off_y = (y_px - camera.cy) / camera.height;
   const double off_axis = options_.off_axis_deg * 2 * (off_x * off_x + off_y * off_y);
   const double cost = chord * kCostPerRadian + kCostPerDegree * (off_axis + (seen.mixed ? options_.mixed_deg : 0));
-  return static_cast<int>(std::min(cost, 65534.0));
+  return {frame, static_cast<int>(cost), interpolated(frames_[frame].columns, x_px, y_px),
+          interpolated(frames_[frame].tint, x_px, y_px)};
 }
 
 int SourceCandidates::candidates(int x, int y, uint8_t frame[16], uint16_t cost[16]) const {
@@ -93,20 +121,35 @@ int SourceCandidates::candidates(int x, int y, uint8_t frame[16], uint16_t cost[
 
 int SourceCandidates::collect(int x, int y, bool through, uint8_t frame[16], uint16_t cost[16]) const {
   const double w = grid_.inverse_depth(layer_.at(x, y));
+  std::array<Candidate, kMaxCandidates> found;
   int count = 0;
   for (const uint8_t i : facing_[static_cast<size_t>(x)]) {
     if (count == kMaxCandidates) break;
-    const int c = cost_from(i, x, y, w, through);
-    if (c < 0) continue;
+    const Candidate c = candidate(i, x, y, w, through);
+    if (c.cost < 0) continue;
     int at = count++;  // frames stay in rising order
-    for (; at > 0 && frame[at - 1] > i; --at) {
-      frame[at] = frame[at - 1];
-      cost[at] = cost[at - 1];
-    }
-    frame[at] = i;
-    cost[at] = static_cast<uint16_t>(c);
+    for (; at > 0 && found[static_cast<size_t>(at) - 1].frame > i; --at)
+      found[static_cast<size_t>(at)] = found[static_cast<size_t>(at) - 1];
+    found[static_cast<size_t>(at)] = c;
+  }
+  doubt_odd_ones(options_.disagree_deg * kCostPerDegree, found.data(), found.data() + count);
+  for (int k = 0; k < count; ++k) {
+    frame[k] = found[static_cast<size_t>(k)].frame;
+    cost[k] = static_cast<uint16_t>(std::min(found[static_cast<size_t>(k)].cost, 65534));
   }
   return count;
+}
+
+// Most cameras see the voxel's own surface: one that sees another, or a mixture of two, stands out. Of two cameras
+// neither does.
+void SourceCandidates::doubt_odd_ones(double cost_per_level, Candidate* begin, Candidate* end) {
+  const int count = static_cast<int>(end - begin);
+  if (count < 3) return;
+  const Middle grey(count, [&](int i) { return begin[i].grey; }), tint(count, [&](int i) { return begin[i].tint; });
+  for (Candidate* c = begin; c != end; ++c) {
+    const int levels = grey.beyond(kNoise + grey.high / kUneven, c->grey) + tint.beyond(kNoise, c->tint);
+    c->cost += static_cast<int>(cost_per_level * std::min(kMostDiffer, levels));
+  }
 }
 
 uint8_t SourceCandidates::depth_label(int x, int y) const {

@@ -3,9 +3,9 @@
 // Takes the layers' disparity, the cameras, what hides voxels from them, and the chosen photograph of each pixel; gives
 // the candidates that the cut chooses from, and colours.
 // How: a candidate sees the voxel; it costs the angle between the panorama's ray and the camera's, more where the
-// sample may be mixed with a nearer object's edge. Colours are read from the photograph itself (one resampling), one
-// photograph in memory at a time; what steps remain between photographs are spread over the surfaces on both sides.
-// Does not solve for the choice (solve.h).
+// sample may be mixed with a nearer object's edge, and more where it differs from what most of them see. Colours are
+// read from the photograph itself (one resampling), one photograph in memory at a time; what steps remain between
+// photographs are spread over the surfaces on both sides. Does not solve for the choice (solve.h).
 #pragma once
 
 #include <array>
@@ -29,6 +29,7 @@ struct ColourOptions {
   double mixed_px = 1.5;      // a sample so close to a nearer surface may be mixed with it
   double mixed_deg = 8;       // what that costs
   double off_axis_deg = 2;    // what a sample in the photograph's corner costs (blur, vignetting)
+  double disagree_deg = 2.5;  // what each level costs by which a sample differs from the median of the candidates'
   int seam_cell_px = 16;      // seams are spread in cells of this size
   bool guess_hidden = false;  // a pixel that every camera has hidden takes what lies in front of it
   bool even_seams = true;
@@ -55,7 +56,13 @@ class SourceCandidates final : public ColourCosts {
   // At a place between the photograph's first and last columns.
   Seen look(size_t frame, double x_px, double y_px, double inverse_z, bool through) const;
   void find_facing(int x);
-  int cost_from(size_t frame, int x, int y, double w, bool through) const;  // negative: does not see it
+  struct Candidate {
+    uint8_t frame = 0;
+    int cost = -1;  // negative: does not see the voxel
+    uint8_t grey = 0, tint = 0;
+  };
+  Candidate candidate(uint8_t frame, int x, int y, double w, bool through) const;
+  static void doubt_odd_ones(double cost_per_level, Candidate* begin, Candidate* end);
   int collect(int x, int y, bool through, uint8_t frame[16], uint16_t cost[16]) const;
 
   const PanoramaGrid& grid_;

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <tuple>
 
 #include "simple_capture.h"
 
@@ -78,6 +80,47 @@ TEST(SourceCandidates, ASampleBesideANearerSurfaceCostsMore) {
     for (int row = 0; row < 80; ++row) maps[0].inverse_z.at(row, column) = 5000;
   ASSERT_EQ(SourceCandidates(grid, layer, frames, maps, {}).candidates(50, 30, frame, mixed), 1);
   EXPECT_EQ(mixed[0], clean[0] + 64 * 8);
+}
+
+// Three cameras around the ray, the middle one's picture of its own grey and tint.
+std::array<uint16_t, 3> costs_of_three(uint8_t grey, uint8_t odd_grey, uint8_t odd_tint) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap layer(grid.width, grid.height, kNearSteps);
+  std::vector<UprightFrame> frames;
+  for (int i = 0; i < 3; ++i) {
+    frames.push_back(upright_of(camera_at(0.1 * (1 - i)), i));
+    auto &greys = frames.back().columns.samples, &tints = frames.back().tint.samples;
+    std::fill(greys.begin(), greys.end(), i == 1 ? odd_grey : grey);
+    std::fill(tints.begin(), tints.end(), i == 1 ? odd_tint : uint8_t{128});
+  }
+  uint8_t frame[16];
+  uint16_t cost[16] = {};
+  EXPECT_EQ(SourceCandidates(grid, layer, frames, {}, {}).candidates(50, 30, frame, cost), 3);
+  return {cost[0], cost[1], cost[2]};
+}
+
+TEST(SourceCandidates, ASampleThatDiffersFromMostCostsMoreTheMoreItDiffers) {
+  const auto same = costs_of_three(100, 100, 128), noisy = costs_of_three(100, 109, 126);
+  EXPECT_EQ(noisy, same);
+  for (const auto& [grey, tint, levels] : {std::tuple{119, 128, 10}, {81, 128, 10}, {100, 111, 14}, {119, 141, 20}}) {
+    const auto odd = costs_of_three(100, static_cast<uint8_t>(grey), static_cast<uint8_t>(tint));
+    EXPECT_EQ(odd[1], same[1] + 160 * levels);
+    EXPECT_EQ(odd[0], same[0]);
+    EXPECT_EQ(odd[2], same[2]);
+  }
+  EXPECT_EQ(costs_of_three(0, 255, 128)[1], same[1] + 160 * 60);
+}
+
+TEST(SourceCandidates, TwoThatDifferDoNotOutvoteEachOther) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap layer(grid.width, grid.height, kNearSteps);
+  std::vector<UprightFrame> frames = {upright_of(camera_at(0.1), 0), upright_of(camera_at(-0.1), 1)};
+  uint8_t frame[16];
+  uint16_t same[16], differing[16];
+  ASSERT_EQ(SourceCandidates(grid, layer, frames, {}, {}).candidates(50, 30, frame, same), 2);
+  std::fill(frames[1].columns.samples.begin(), frames[1].columns.samples.end(), uint8_t{200});
+  ASSERT_EQ(SourceCandidates(grid, layer, frames, {}, {}).candidates(50, 30, frame, differing), 2);
+  EXPECT_TRUE(std::equal(same, same + 2, differing));
 }
 
 TEST(SourceCandidates, OfManyCamerasTheEightNearestToTheRayStayInOrder) {
