@@ -18,6 +18,8 @@ constexpr double kSettled = 0.02;      // pixels; smaller steps end it
 constexpr double kLeastContrast = 3;   // grey levels, standard deviation
 constexpr double kFlattest = 0.15;     // contrast gradients of the weaker direction, against the stronger, squared
 constexpr int kChunk = 64;             // tracks per task
+constexpr size_t kLeastAveraged = 3;   // frames whose average is less noisy than the anchor
+constexpr int kAverages = 2;           // each of what was aligned with the one before
 constexpr double kFeatureSigma = 0.3;  // of where a feature is found, pixels of a photo 800 long: weight 1
 constexpr double kFinestSigma = 0.06;  // of the best that is followed
 
@@ -78,10 +80,10 @@ struct Template {
   Eigen::Matrix2d inverse;
 };
 
-std::optional<Template> make_template(const GreyImage& image, const Eigen::Vector2d& centre) {
+// Of a patch of mean 0 and length 1. None of an edge, which slides along itself.
+std::optional<Template> make_template(const Patch& patch) {
   Template t;
-  const Eigen::Matrix2d straight = Eigen::Matrix2d::Identity();
-  if (!sample(image, centre, straight, t.patch) || !normalise(t.patch)) return std::nullopt;
+  t.patch = patch;
   Eigen::Matrix2d h = Eigen::Matrix2d::Zero();
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
@@ -96,31 +98,36 @@ std::optional<Template> make_template(const GreyImage& image, const Eigen::Vecto
     }
   }
   const double trace = h.trace(), determinant = h.determinant();
-  if (determinant < kFlattest * (1 - kFlattest) * 0.25 * trace * trace)
-    return std::nullopt;  // an edge: slides along itself
+  if (determinant < kFlattest * (1 - kFlattest) * 0.25 * trace * trace) return std::nullopt;
   t.inverse = h.inverse();
   return t;
 }
 
+std::optional<Template> make_template(const GreyImage& image, const Eigen::Vector2d& centre) {
+  Patch patch;
+  if (!sample(image, centre, Eigen::Matrix2d::Identity(), patch) || !normalise(patch)) return std::nullopt;
+  return make_template(patch);
+}
+
 struct Aligned {
   Eigen::Vector2d position;
+  Patch patch;  // there, but for a step too small to count
   double correlation = 0;
-  double sigma = 0;  // of the position, pixels of the picture
 };
 
-// What is left of the difference of two patches of length 1, taken for noise, moves the position by so much. Where
-// near and far things cross, the patch changes from frame to frame; that shows here.
+// What is left of the difference of two patches of length 1, taken for noise, moves the position by so much, pixels of
+// the picture. Where near and far things cross, the patch changes from frame to frame; that shows here.
 double position_sigma(const Template& t, double correlation) {
   const double noise = std::sqrt(2 * std::max(0.0, 1 - correlation) / kSamples);
   return noise * std::sqrt(0.5 * t.inverse.trace());
 }
 
-std::optional<Aligned> align(const Template& t, const GreyImage& image, Eigen::Vector2d position,
+std::optional<Aligned> align(const Template& t, const GreyImage& image, const Eigen::Vector2d& position,
                              const Eigen::Matrix2d& warp) {
-  double correlation = 0;
+  Aligned there{position, {}};
   for (int round = 0; round < kRounds; ++round) {
-    Patch patch;
-    if (!sample(image, position, warp, patch) || !normalise(patch)) return std::nullopt;
+    Patch& patch = there.patch;
+    if (!sample(image, there.position, warp, patch) || !normalise(patch)) return std::nullopt;
     float gx = 0, gy = 0, product = 0;
     for (size_t i = 0; i < kSamples; ++i) {
       const float difference = t.patch[i] - patch[i];
@@ -128,11 +135,11 @@ std::optional<Aligned> align(const Template& t, const GreyImage& image, Eigen::V
       gy += t.gradient_y[i] * difference;
       product += t.patch[i] * patch[i];
     }
-    correlation = static_cast<double>(product);
+    there.correlation = static_cast<double>(product);
     const Eigen::Vector2d step = warp * (t.inverse * Eigen::Vector2d(static_cast<double>(gx), static_cast<double>(gy)));
     if (step.norm() > 3) return std::nullopt;
-    position += step;
-    if (step.norm() < kSettled) return Aligned{position, correlation, position_sigma(t, correlation)};
+    there.position += step;
+    if (step.norm() < kSettled) return there;
   }
   return std::nullopt;
 }
@@ -158,16 +165,15 @@ class Follower {
   Track follow(const Track& track, const InversePoint& point) const {
     const Observation& anchor = track[track.size() / 2];
     const size_t home = static_cast<size_t>(anchor.frame);
-    Track found;
     const Eigen::Vector2d in_picture = to_picture(anchor.position_px, home);
     const auto fine = make_template(pictures_[home].grey, in_picture);
+    if (!fine) return {};
     const auto coarse = make_template(levels_[home].half, 0.5 * in_picture);
-    if (!fine) return found;
     const InversePoint shown = on_ray(anchor, point);
+    std::vector<Shown> found;
     for (size_t frame = 0; frame < bundle_.cameras.size(); ++frame) {
       if (frame == home) {
-        found.push_back(anchor);
-        found.back().weight = weight(0, home);
+        found.push_back({home, Eigen::Matrix2d::Identity(), {in_picture, fine->patch, 1}});
         continue;
       }
       const auto prediction = predict(home, frame, shown);
@@ -181,13 +187,57 @@ class Follower {
       const auto aligned = align(*fine, pictures_[frame].grey, position, prediction->warp);
       if (!aligned || aligned->correlation < options_.least_correlation) continue;
       if ((aligned->position - start).norm() > options_.reach) continue;
-      found.push_back(
-          {static_cast<int>(frame), -1, from_picture(aligned->position, frame), weight(aligned->sigma, frame)});
+      found.push_back({frame, prediction->warp, *aligned});
     }
-    return found;
+    return observations(*fine, found, home);
   }
 
  private:
+  struct Shown {
+    size_t frame;
+    Eigen::Matrix2d warp;  // from the anchor's surroundings
+    Aligned aligned;
+  };
+
+  // The anchor's noise is in all that was aligned with it. What all frames show on the average has less, and the anchor
+  // is aligned with it as the others are.
+  Track observations(const Template& of_anchor, std::vector<Shown> found, size_t home) const {
+    Template t = of_anchor;
+    const bool averaged = found.size() >= kLeastAveraged;
+    for (int i = 0; averaged && i < kAverages; ++i) {
+      const auto mean = make_template(average(found));
+      if (!mean) return {};
+      t = *mean;
+      std::vector<Shown> again;
+      for (const Shown& shown : found) {
+        const auto aligned = align(t, pictures_[shown.frame].grey, shown.aligned.position, shown.warp);
+        if (aligned && aligned->correlation >= options_.least_correlation)
+          again.push_back({shown.frame, shown.warp, *aligned});
+      }
+      if (again.size() < kLeastAveraged) return {};
+      found = std::move(again);
+    }
+    Track track;
+    for (const Shown& shown : found) {
+      const double sigma = averaged || shown.frame != home ? position_sigma(t, shown.aligned.correlation) : 0;
+      track.push_back({static_cast<int>(shown.frame), -1, from_picture(shown.aligned.position, shown.frame),
+                       weight(sigma, shown.frame)});
+    }
+    return track;
+  }
+
+  static Patch average(const std::vector<Shown>& found) {
+    Patch mean{};
+    for (const Shown& shown : found) {
+      for (size_t i = 0; i < kSamples; ++i) mean[i] += shown.aligned.patch[i];
+    }
+    float squares = 0;
+    for (const float s : mean) squares += s * s;
+    const float scale = 1 / std::sqrt(squares);
+    for (float& s : mean) s *= scale;
+    return mean;
+  }
+
   Eigen::Vector2d middle(size_t frame) const {
     return 0.5 * Eigen::Vector2d(pictures_[frame].grey.width, pictures_[frame].grey.height);
   }

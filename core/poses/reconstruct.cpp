@@ -34,9 +34,10 @@ constexpr double kTorn = 0.3, kTornPixels = 12;      // share of a pair's matche
                                                      // pixels of 800 for it to hold
 constexpr double kEnough = 0.75;  // share of the observations that must fit, else other motion is tried
 constexpr double kLossOfTolerance = 0.3, kLargestLoss = 0.8;  // pixels of 800
-constexpr size_t kRich = 1000;  // observations per frame that make a second look for matches needless
-constexpr int kThin = 250;      // and those that do for the first rounds, the longest tracks first
-constexpr int kHeld = 150;      // followed observations that a frame is content with
+constexpr double kFollowedLoss = 0.7;  // of that, on followed points: most are far better than the few that are not
+constexpr size_t kRich = 1000;         // observations per frame that make a second look for matches needless
+constexpr int kThin = 250;             // and those that do for the first rounds, the longest tracks first
+constexpr int kHeld = 150;             // followed observations that a frame is content with
 constexpr double kMatchedPairs = 0.2, kFollowedPairs = 0.05;  // weights of points that two photos see, in the rounds
                                                               // before the last: some move, and two photos of what
                                                               // moves agree on cameras that a third tells wrong
@@ -109,6 +110,8 @@ std::vector<int> observations_by_frame(const Reconstruction& r) {
   return held;
 }
 
+bool is_followed(double tolerance) { return tolerance == kFollowed[0] || tolerance == kFollowed[1]; }
+
 class Rounds {
  public:
   Rounds(const MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job) : sweep_(sweep), job_(job) {
@@ -126,7 +129,8 @@ class Rounds {
   void round(const std::vector<Track>& tracks, double tolerance, double arc_sigma, Reconstruction& r) {
     place(tracks, tolerance, r);
     if (tolerance <= kFollowed[0] && options_.model != Model::rotation) leave_out_loners(r);
-    options_.loss_px = sweep_.pixels(std::min(kLossOfTolerance * tolerance, kLargestLoss));
+    const double loss = sweep_.pixels(std::min(kLossOfTolerance * tolerance, kLargestLoss));
+    options_.loss_px = (is_followed(tolerance) ? kFollowedLoss : 1) * loss;
     options_.arc_sigma = std::max(arc_sigma, least_sigma_);
     options_.pair_weight = pairs_count_ || tolerance == kFollowed[1] ? 1
                            : tolerance == kFollowed[0]               ? kFollowedPairs
@@ -213,22 +217,26 @@ double explained(const MatchedSweep& sweep, const std::vector<Track>& tracks, Re
 
 // A round on followed points. Where steps are so wide that hardly a third photo sees any, the cameras go astray if
 // those of two photos weigh little: what was matched tells so, and the round is done again with all points equal.
-void followed_round(const MatchedSweep& sweep, const std::vector<Track>& matched, double tolerance, Rounds& rounds,
-                    const Job& job, Reconstruction& r) {
+// Takes and gives how much of that is explained.
+double followed_round(const MatchedSweep& sweep, const std::vector<Track>& matched, double tolerance,
+                      double explained_before, Rounds& rounds, const Job& job, Reconstruction& r) {
   const Reconstruction before = r;
   rounds.round(follow(sweep, r, job), tolerance, kAboutArc, r);
-  if (explained(sweep, matched, r, job) >= kStillHolds * explained(sweep, matched, before, job)) return;
+  const double explained_now = explained(sweep, matched, r, job);
+  if (explained_now >= kStillHolds * explained_before) return explained_now;
   rounds.let_pairs_count();
   r = before;
   rounds.round(follow(sweep, r, job), tolerance, kAboutArc, r);
+  return explained(sweep, matched, r, job);
 }
 
 // The same until the focal length settles: points that a wrong one gathered leave a few at a time.
 void settle(const MatchedSweep& sweep, const std::vector<Track>& matched, Rounds& rounds, const Job& job,
             Reconstruction& r) {
+  double holds = explained(sweep, matched, r, job);
   for (int i = 0; i < kMostFollowed; ++i) {
     const double before = r.bundle.lens.focal_px;
-    followed_round(sweep, matched, kFollowed[0], rounds, job, r);
+    holds = followed_round(sweep, matched, kFollowed[0], holds, rounds, job, r);
     if (std::abs(std::log(r.bundle.lens.focal_px / before)) < kSettledFocal) return;
   }
 }
@@ -342,7 +350,7 @@ Reconstruction reconstruct(MatchedSweep& sweep, const std::optional<FocalPrior>&
   settle(sweep, tracks, rounds, job, result);
   rounds.decide_distortion(result, kBendsFollowed);
   job.report("adjusting", 0.9);
-  followed_round(sweep, tracks, kFollowed[1], rounds, job, result);
+  followed_round(sweep, tracks, kFollowed[1], explained(sweep, tracks, result, job), rounds, job, result);
   drop_unheld(result);
   require(sweep, result.dropped);
   rounds.place(result.tracks, kFollowed[1], result);

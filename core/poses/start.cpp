@@ -23,6 +23,7 @@ FocalPrior anybodys_lens(const MatchedSweep& sweep) {
 struct Start {
   Bundle bundle;
   double cost = std::numeric_limits<double>::infinity();
+  size_t agreeing = 0, in_front = 0;  // observations
 };
 
 void adjust(Start& start, const BundleOptions& options, const Job& job) {
@@ -126,16 +127,13 @@ std::vector<Track> place_good(const std::vector<Track>& tracks, double tolerance
 
 namespace {
 
-size_t agreeing_observations(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle bundle,
-                             const Job& job) {
+// Counts observations that agree, and those among them of points that do not lie beyond infinity: of a world inside out
+// hardly any.
+void count(const MatchedSweep& sweep, const std::vector<Track>& tracks, Start& start, const Job& job) {
+  Bundle bundle = start.bundle;
   place_good(tracks, sweep.pixels(kAgreeing), false, bundle, job);
-  return bundle.observations.size();
-}
-
-// Those of points that do not lie beyond infinity: of a world inside out hardly any.
-size_t in_front(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle bundle, const Job& job) {
-  place_good(tracks, sweep.pixels(kAgreeing), false, bundle, job);
-  return static_cast<size_t>(
+  start.agreeing = bundle.observations.size();
+  start.in_front = static_cast<size_t>(
       std::count_if(bundle.observations.begin(), bundle.observations.end(), [&](const BundleObservation& o) {
         return bundle.points[static_cast<size_t>(o.point)].inverse_distance > kSurelyBeyond;
       }));
@@ -145,20 +143,20 @@ size_t in_front(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bun
 // parallax shows, motion the other way round with the world inside out may cost less than the truth.
 std::vector<Start> right_side_out(const MatchedSweep& sweep, const std::vector<Track>& tracks,
                                   std::vector<Start> candidates, const Job& job) {
-  std::vector<size_t> agreeing;
-  for (const Start& candidate : candidates)
-    agreeing.push_back(agreeing_observations(sweep, tracks, candidate.bundle, job));
-  const double least = kRightSide * static_cast<double>(*std::max_element(agreeing.begin(), agreeing.end()));
-  std::vector<Start> kept;
-  for (size_t i = 0; i < candidates.size(); ++i) {
-    if (static_cast<double>(agreeing[i]) >= least) kept.push_back(std::move(candidates[i]));
+  size_t most = 0;
+  for (Start& candidate : candidates) {
+    count(sweep, tracks, candidate, job);
+    most = std::max(most, candidate.agreeing);
   }
-  return kept;
+  std::erase_if(candidates, [&](const Start& candidate) {
+    return static_cast<double>(candidate.agreeing) < kRightSide * static_cast<double>(most);
+  });
+  return candidates;
 }
 
 // The best of all turns: on the sphere first, the best few of them then near it.
-Bundle best_start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
-                  BundleOptions options, const Job& job) {
+Start best_start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
+                 BundleOptions options, const Job& job) {
   std::vector<Start> candidates(turns.size());
   options.model = Model::spherical;
   Job alone = job;  // of each candidate
@@ -175,7 +173,7 @@ Bundle best_start(const MatchedSweep& sweep, const std::vector<Track>& tracks, c
   options.model = Model::free;
   parallel_for(job, static_cast<int>(candidates.size()),
                [&](int i) { adjust(candidates[static_cast<size_t>(i)], options, alone); });
-  return std::move(best_of(right_side_out(sweep, tracks, std::move(candidates), job), 1).front().bundle);
+  return std::move(best_of(right_side_out(sweep, tracks, std::move(candidates), job), 1).front());
 }
 
 }  // namespace
@@ -188,12 +186,12 @@ Bundle start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const 
   options.loss_px = sweep.pixels(kOffTheSphere);
   options.arc_sigma = kNearTheSphere;
   options.most_iterations = 30;
-  Bundle best = best_start(sweep, coarse, turns, options, job);
-  const size_t right_side = in_front(sweep, coarse, best, job);
-  if (static_cast<double>(right_side) > kRightSide * static_cast<double>(best.observations.size())) return best;
+  Start best = best_start(sweep, coarse, turns, options, job);
+  const size_t all = best.bundle.observations.size();
+  if (static_cast<double>(best.in_front) > kRightSide * static_cast<double>(all)) return std::move(best.bundle);
   options.in_front = true;
-  Bundle other = best_start(sweep, coarse, turns, options, job);
-  return in_front(sweep, coarse, other, job) > right_side ? other : best;
+  Start other = best_start(sweep, coarse, turns, options, job);
+  return std::move(other.in_front > best.in_front ? other.bundle : best.bundle);
 }
 
 }  // namespace ldp

@@ -11,7 +11,6 @@
 
 #include "bundle.h"
 #include "doubts.h"
-#include "follow.h"
 #include "guided.h"
 #include "lens_bends.h"
 #include "likeness.h"

@@ -1,0 +1,78 @@
+#include "follow.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace ldp {
+namespace {
+
+double uniform(std::mt19937& random, double low, double high) {
+  return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
+}
+
+// Five cameras in one place see a smooth pattern, each of them displaced by a fraction of a pixel; the picture of one,
+// the anchor of all tracks, is noisy.
+struct ShiftedPictures {
+  static constexpr int kFrames = 5, kAnchor = 2, kSize = 200;
+  std::vector<GreyPhoto> pictures;
+  std::vector<Track> tracks;
+  Bundle bundle;
+
+  explicit ShiftedPictures(double noise) {
+    std::mt19937 random(5);
+    for (int i = 0; i < kFrames; ++i) {
+      GreyImage grey(kSize, kSize);
+      for (int y = 0; y < kSize; ++y) {
+        for (int x = 0; x < kSize; ++x) {
+          const Eigen::Vector2d p = Eigen::Vector2d(x + 0.5, y + 0.5) - shift(i);
+          const double value = 128 + 16 * std::sin(0.5 * p.x() + 0.3 * p.y()) +
+                               12 * std::sin(0.4 * p.y() - 0.35 * p.x()) + 8 * std::sin(0.23 * p.x() + 0.6 * p.y()) +
+                               (i == kAnchor ? uniform(random, -noise, noise) : 0);
+          grey.at(x, y) = static_cast<uint8_t>(std::lround(value));
+        }
+      }
+      pictures.push_back({grey, Eigen::Vector2d::Ones(), kSize, kSize});
+    }
+    bundle.lens.focal_px = 300;
+    bundle.cameras.resize(kFrames);
+    for (int i = 0; i < 100; ++i) {
+      const Eigen::Vector2d place(15.0 * (i % 10) - 67.3, 15.0 * (i / 10) - 66.8);
+      Track track;
+      for (int c = 0; c < kFrames; ++c) track.push_back({c, -1, place + shift(c)});
+      bundle.points.push_back({(place / bundle.lens.focal_px).homogeneous().normalized(), 0});
+      tracks.push_back(track);
+    }
+  }
+
+  static Eigen::Vector2d shift(int frame) { return frame * Eigen::Vector2d(0.37, -0.23); }
+
+  std::vector<Track> followed() const { return follow_points(pictures, tracks, bundle, FollowOptions{}, Job{}); }
+};
+
+TEST(FollowPoints, FindsAllFramesToAFractionOfAPixel) {
+  const std::vector<Track> tracks = ShiftedPictures(0).followed();
+  int found = 0;
+  for (const Track& track : tracks) {
+    for (size_t i = 1; i < track.size(); ++i) {
+      const Eigen::Vector2d wanted = ShiftedPictures::shift(track[i].frame) - ShiftedPictures::shift(track[0].frame);
+      EXPECT_LT((track[i].position_px - track[0].position_px - wanted).norm(), 0.06);
+    }
+    found += track.size() == ShiftedPictures::kFrames ? 1 : 0;
+  }
+  EXPECT_GT(found, 60);
+}
+
+TEST(FollowPoints, AnAnchorIsNoSurerThanWhatIsFound) {
+  int followed = 0;
+  for (const Track& track : ShiftedPictures(12).followed()) {
+    if (track.size() != ShiftedPictures::kFrames) continue;
+    ++followed;
+    for (const Observation& o : track) EXPECT_GE(o.weight, track[ShiftedPictures::kAnchor].weight);
+  }
+  EXPECT_GT(followed, 60);
+}
+
+}  // namespace
+}  // namespace ldp
