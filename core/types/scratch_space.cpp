@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <map>
@@ -63,7 +64,9 @@ class File {
 
 bool is_memory(const std::string& folder) {
   struct statfs system;
-  return ::statfs(folder.c_str(), &system) == 0 && (system.f_type == TMPFS_MAGIC || system.f_type == RAMFS_MAGIC);
+  if (::statfs(folder.c_str(), &system) != 0) return false;
+  const auto type = static_cast<uint32_t>(system.f_type);
+  return type == TMPFS_MAGIC || type == RAMFS_MAGIC;
 }
 
 // Bytes of the process that are in memory.

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 #include <thread>
 
@@ -17,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSide = 4096;  // of planes of 16 MiB
-constexpr size_t kNothing = 1, kPlenty = size_t{1} << 40;
+constexpr size_t kNothing = 1, kPlenty = std::numeric_limits<size_t>::max();
 
 uint8_t pattern(int x, int y) { return static_cast<uint8_t>(x * 31 + y * 17 + (x * y >> 5)); }
 
