@@ -32,8 +32,12 @@ struct Middle {
   template <typename Value>
   Middle(int count, const Value& value) {
     std::array<int, kMaxCandidates> sorted;
-    for (int i = 0; i < count; ++i) sorted[static_cast<size_t>(i)] = value(i);
-    std::sort(sorted.begin(), sorted.begin() + count);
+    for (int i = 0; i < count; ++i) {
+      const int next = value(i);
+      auto place = static_cast<size_t>(i);
+      for (; place > 0 && sorted[place - 1] > next; --place) sorted[place] = sorted[place - 1];
+      sorted[place] = next;
+    }
     low = sorted[static_cast<size_t>((count - 1) / 2)], high = sorted[static_cast<size_t>(count / 2)];
   }
   int beyond(int noise, int value) const { return std::max({0, low - value - noise, value - high - noise}); }
