@@ -12,8 +12,7 @@ constexpr double kCostPerDegree = 64;
 constexpr double kCostPerRadian = kCostPerDegree * 180 / std::numbers::pi;
 constexpr int kMaxCandidates = 8;      // the cameras nearest to the ray among those that see the voxel
 constexpr double kBehindCamera = 0.1;  // least forward * w of a voxel worth projecting
-constexpr int kNoise = 3;              // levels by which samples of one surface may differ,
-constexpr int kUneven = 16;            // and this part of their grey: vignettes, exposure, highlights
+constexpr int kNoise = 3;              // levels by which samples of one surface may differ
 constexpr int kMostDiffer = 60;        // what differs more is just another surface
 
 // Between four samples of a picture stored column by column.
@@ -151,7 +150,7 @@ void SourceCandidates::doubt_odd_ones(double cost_per_level, Candidate* begin, C
   if (count < 3) return;
   const Middle grey(count, [&](int i) { return begin[i].grey; }), tint(count, [&](int i) { return begin[i].tint; });
   for (Candidate* c = begin; c != end; ++c) {
-    const int levels = grey.beyond(kNoise + grey.high / kUneven, c->grey) + tint.beyond(kNoise, c->tint);
+    const int levels = grey.beyond(kNoise, c->grey) + tint.beyond(kNoise, c->tint);
     c->cost += static_cast<int>(cost_per_level * std::min(kMostDiffer, levels));
   }
 }

@@ -100,9 +100,9 @@ std::array<uint16_t, 3> costs_of_three(uint8_t grey, uint8_t odd_grey, uint8_t o
 }
 
 TEST(SourceCandidates, ASampleThatDiffersFromMostCostsMoreTheMoreItDiffers) {
-  const auto same = costs_of_three(100, 100, 128), noisy = costs_of_three(100, 109, 126);
+  const auto same = costs_of_three(100, 100, 128), noisy = costs_of_three(100, 103, 126);
   EXPECT_EQ(noisy, same);
-  for (const auto& [grey, tint, levels] : {std::tuple{119, 128, 10}, {81, 128, 10}, {100, 111, 14}, {119, 141, 20}}) {
+  for (const auto& [grey, tint, levels] : {std::tuple{113, 128, 10}, {87, 128, 10}, {100, 111, 14}, {113, 141, 20}}) {
     const auto odd = costs_of_three(100, static_cast<uint8_t>(grey), static_cast<uint8_t>(tint));
     EXPECT_EQ(odd[1], same[1] + 160 * levels);
     EXPECT_EQ(odd[0], same[0]);
