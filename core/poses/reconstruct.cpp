@@ -114,8 +114,7 @@ bool is_followed(double tolerance) { return tolerance == kFollowed[0] || toleran
 
 class Rounds {
  public:
-  Rounds(const MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job)
-      : sweep_(&sweep), job_(&job) {
+  Rounds(const MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job) : sweep_(sweep), job_(job) {
     options_.focal_prior = focal;
   }
 
@@ -130,7 +129,7 @@ class Rounds {
   void round(const std::vector<Track>& tracks, double tolerance, double arc_sigma, Reconstruction& r) {
     place(tracks, tolerance, r);
     if (tolerance <= kFollowed[0] && options_.model != Model::rotation) leave_out_loners(r);
-    const double loss = sweep_->pixels(std::min(kLossOfTolerance * tolerance, kLargestLoss));
+    const double loss = sweep_.pixels(std::min(kLossOfTolerance * tolerance, kLargestLoss));
     options_.loss_px = (is_followed(tolerance) ? kFollowedLoss : 1) * loss;
     options_.arc_sigma = std::max(arc_sigma, least_sigma_);
     options_.pair_weight = pairs_count_ || tolerance == kFollowed[1] ? 1
@@ -138,26 +137,26 @@ class Rounds {
                                                                      : kMatchedPairs;
     options_.settled = tolerance > kMatched[2] ? kRough : kFine;
 
-    cost_ = adjust(r.bundle, options_, *job_).cost;
+    cost_ = adjust(r.bundle, options_, job_).cost;
   }
 
   // Whether the lens bends lines, by the observations of the last round.
   void decide_distortion(Reconstruction& r, double variances) {
     if (options_.refine_distortion) return;
-    std::optional<Bundle> bent = bent_lens(r.bundle, options_, cost_, variances, *job_);
+    std::optional<Bundle> bent = bent_lens(r.bundle, options_, cost_, variances, job_);
     if (!bent) return;
     r.bundle = std::move(*bent);
     options_.refine_distortion = true;
   }
 
   void place(const std::vector<Track>& tracks, double tolerance, Reconstruction& r) {
-    r.tracks = place_good(tracks, sweep_->pixels(tolerance), options_.model == Model::rotation, r.bundle, *job_);
+    r.tracks = place_good(tracks, sweep_.pixels(tolerance), options_.model == Model::rotation, r.bundle, job_);
   }
 
  private:
   // Where a frame has more than a few.
   void leave_out_loners(Reconstruction& r) const {
-    const std::vector<bool> alone = loners(r.tracks, r.bundle, sweep_->pixels(kLoner));
+    const std::vector<bool> alone = loners(r.tracks, r.bundle, sweep_.pixels(kLoner));
     const std::vector<int> held = observations_by_frame(r);
     std::vector<Track> kept;
     Bundle bundle = r.bundle;
@@ -173,8 +172,8 @@ class Rounds {
     r.bundle = std::move(bundle);
   }
 
-  const MatchedSweep* sweep_;
-  const Job* job_;
+  const MatchedSweep& sweep_;
+  const Job& job_;
   BundleOptions options_;
   bool pairs_count_ = false;  // as much as points that a third photo confirms
   double least_sigma_ = 0;
@@ -243,11 +242,10 @@ void settle(const MatchedSweep& sweep, const std::vector<Track>& matched, Rounds
 }
 
 // What walks by between two photos agrees with a step that nobody took. Cameras are put back on their sphere and held
-// near it while what agrees with them gathers; given where that hand is preferred: it is steadier, for what it
-// explains.
-std::optional<Reconstruction> steadier_hand(const MatchedSweep& sweep, const std::vector<Track>& tracks, Rounds rounds,
-                                            const Job& job, const Reconstruction& result) {
-  if (!rounds.on_an_arc()) return {};
+// near it while what agrees with them gathers; the hand that is steadier, for what it explains, stays.
+void try_steadier_hand(const MatchedSweep& sweep, const std::vector<Track>& tracks, Rounds rounds, const Job& job,
+                       Reconstruction& result) {
+  if (!rounds.on_an_arc()) return;
   rounds.stay_on_the_arc();
   Reconstruction other = result;
   for (Pose& pose : other.bundle.cameras) pose.centre = pose.world_from_camera.col(2);
@@ -255,28 +253,8 @@ std::optional<Reconstruction> steadier_hand(const MatchedSweep& sweep, const std
   for (size_t i = 0; i < std::size(kSteady); ++i)
     rounds.round(i + 1 < std::size(kSteady) ? thin : tracks, kMatched[i], kSteady[i], other);
   const double steadier = 1 - unsteadiness(other.dropped, other.bundle) / unsteadiness(result.dropped, result.bundle);
-  if (explained(sweep, tracks, other, job) < (1 - kSteadyHand * steadier) * explained(sweep, tracks, result, job))
-    return {};
-  return other;
-}
-
-// Cameras settle while a steadier hand is tried; it is seldom preferred, and then they settle once more.
-void settle_steadily(const MatchedSweep& sweep, const std::vector<Track>& tracks, Rounds& rounds, const Job& job,
-                     Reconstruction& result) {
-  const Rounds rounds_before = rounds;
-  const Reconstruction before = result;
-  std::optional<Reconstruction> steadier;
-  parallel_for(job, 2, [&](int i) {
-    if (i == 0) {
-      settle(sweep, tracks, rounds, job, result);
-    } else {
-      steadier = steadier_hand(sweep, tracks, rounds_before, job, before);
-    }
-  });
-  if (!steadier) return;
-  result = std::move(*steadier);
-  rounds = rounds_before;
-  settle(sweep, tracks, rounds, job, result);
+  if (explained(sweep, tracks, other, job) >= (1 - kSteadyHand * steadier) * explained(sweep, tracks, result, job))
+    result = std::move(other);
 }
 
 // Cameras near their circle, unless the data overrule it.
@@ -284,10 +262,8 @@ void first_round(const MatchedSweep& sweep, const std::vector<Track>& tracks, Ro
                  Reconstruction& result) {
   const std::vector<Track> thin = longest_tracks(tracks, sweep.frames(), kThin);
   Reconstruction off = result;
-  Rounds rounds_off = rounds;
-  parallel_for(job, 2, [&](int i) {
-    i == 0 ? rounds.round(thin, kMatched[0], kNearArc, result) : rounds_off.round(thin, kMatched[0], kFarArc, off);
-  });
+  rounds.round(thin, kMatched[0], kNearArc, result);
+  rounds.round(thin, kMatched[0], kFarArc, off);
   if (explained(sweep, tracks, off, job) < kOverrules * explained(sweep, tracks, result, job)) return;
   result = std::move(off);
   rounds.leave_the_arc();
@@ -370,7 +346,8 @@ Reconstruction reconstruct(MatchedSweep& sweep, const std::optional<FocalPrior>&
   rounds.round(tracks, kMatched[2], kAboutArc, result);
   rounds.decide_distortion(result, kBends);
   job.report("adjusting", 0.8);
-  settle_steadily(sweep, tracks, rounds, job, result);
+  try_steadier_hand(sweep, tracks, rounds, job, result);
+  settle(sweep, tracks, rounds, job, result);
   rounds.decide_distortion(result, kBendsFollowed);
   job.report("adjusting", 0.9);
   followed_round(sweep, tracks, kFollowed[1], explained(sweep, tracks, result, job), rounds, job, result);
