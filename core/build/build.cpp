@@ -112,13 +112,14 @@ class Build {
   // Lays the finest grid that fits the memory allowed, and gives its pitch.
   double lay_finest_grid(GridOptions options) {
     const size_t allowed = options_.memory_bytes > 0 ? options_.memory_bytes : kEasyMemory;
+    bool tried_scratch = false;
     for (;; options.pitch_px *= kCoarser) {
       grid_ = lay_grid(report_.arc.arc, poses_.cameras, poses_.points, options);
       const Intrinsics& k = poses_.cameras.front().intrinsics;
       const size_t photo_px = static_cast<size_t>(k.width) * static_cast<size_t>(k.height);
       const ExpectedMemory needed = expected_memory(
           grid_, photo_px, upright_pixels(poses_.cameras, report_.arc.arc, options.pitch_px), options_.layers);
-      if (needed.all > allowed && !scratch_) open_scratch(allowed);
+      if (needed.all > allowed && !std::exchange(tried_scratch, true)) open_scratch(allowed);
       if (options_.memory_bytes == 0 || (scratch_ ? needed.least : needed.all) <= allowed) {
         if (options.pitch_px > 1)
           report_.notes.push_back("to fit the memory allowed, a pixel of the panorama spans " +

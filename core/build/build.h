@@ -25,7 +25,7 @@ struct BuildOptions {
   int layers = 3;   // 1 .. 8
   int labels = 16;  // 2 .. 16
   // 1 .. 4. From the second on, what the one before found hides voxels from cameras: depth and outlines a little
-  // better, for a third more time.
+  // better, for a sixth more time.
   int iterations = 1;
   Rays rays = Rays::pushbroom;
   int block_px = 16;                     // of the depth codes; 0 = uniform codes
@@ -62,7 +62,7 @@ struct BuildResult {
 };
 
 // Throws Impossible (too few frames connected, too little memory), Cancelled, std::runtime_error (unreadable frame),
-// std::logic_error.
+// std::logic_error, also where large arrays of an earlier result are still in their files.
 BuildResult build(const FrameSource& frames, const BuildOptions& options, const Job& job);
 
 // The same, to the byte, with poses that were begun while the photos were still being taken.

@@ -29,7 +29,8 @@ struct ColourOptions {
   double mixed_px = 1.5;      // a sample so close to a nearer surface may be mixed with it
   double mixed_deg = 8;       // what that costs
   double off_axis_deg = 2;    // what a sample in the photograph's corner costs (blur, vignetting)
-  double disagree_deg = 2.5;  // what each level costs by which a sample differs from the median of the candidates'
+  double disagree_deg = 2.5;  // what each level beyond noise costs by which a sample differs from the median, of
+                              // three candidates or more
   int seam_cell_px = 16;      // seams are spread in cells of this size
   bool guess_hidden = false;  // a pixel that every camera has hidden takes what lies in front of it
   bool even_seams = true;

@@ -4,7 +4,6 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
-#include <set>
 #include <utility>
 
 namespace ldp {
@@ -19,24 +18,30 @@ TaskOrder::Task TaskOrder::add(std::function<void()> work, const std::vector<Tas
 void TaskOrder::run(const Job& job) {
   std::mutex mutex;
   std::condition_variable changed;
-  std::set<Task> ready;
+  std::vector<Task> ready;  // a heap, the first task on top; its room is taken here so that nothing throws later
+  ready.reserve(tasks_.size());
   size_t left = tasks_.size();
   std::exception_ptr failure;
   auto failed = static_cast<Task>(left);
   for (size_t i = 0; i < tasks_.size(); ++i)
-    if (tasks_[i].waits == 0) ready.insert(static_cast<Task>(i));
+    if (tasks_[i].waits == 0) ready.push_back(static_cast<Task>(i));  // in order, so a heap
 
   const auto finish = [&](const Entry& done) {
     --left;
     for (const Task follower : done.followers)
-      if (--tasks_[static_cast<size_t>(follower)].waits == 0) ready.insert(follower);
+      if (--tasks_[static_cast<size_t>(follower)].waits == 0) {
+        ready.push_back(follower);
+        std::push_heap(ready.begin(), ready.end(), std::greater<>());
+      }
   };
   const auto work = [&](int) {
     std::unique_lock lock(mutex);
     for (;;) {
       changed.wait(lock, [&] { return !ready.empty() || left == 0 || failure; });
       if (left == 0 || failure) return;
-      const Task task = ready.extract(ready.begin()).value();
+      std::pop_heap(ready.begin(), ready.end(), std::greater<>());
+      const Task task = ready.back();
+      ready.pop_back();
       const Entry& entry = tasks_[static_cast<size_t>(task)];
       lock.unlock();
       std::exception_ptr thrown;
@@ -56,7 +61,7 @@ void TaskOrder::run(const Job& job) {
       changed.notify_all();
     }
   };
-  parallel_for(job, std::min(job.threads, static_cast<int>(tasks_.size())), work);
+  parallel_for(job, std::min(std::max(1, job.threads), static_cast<int>(tasks_.size())), work);
   if (failure) std::rethrow_exception(failure);
 }
 

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <linux/magic.h>
 #include <sys/mman.h>
+#include <sys/statvfs.h>
 #include <sys/vfs.h>
 #include <unistd.h>
 
@@ -16,11 +17,13 @@
 #include <mutex>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 namespace ldp {
 namespace {
 
-constexpr std::chrono::milliseconds kLook{4};    // between two looks at what the process holds: some 8 MiB at most
+constexpr uint64_t kStaysFree = 64 << 20;        // bytes of the disk
+constexpr std::chrono::milliseconds kLook{4};    // between two looks at what the process holds
 constexpr std::chrono::milliseconds kPause{50};  // after letting go: what is held nevertheless is not held by arrays
 
 std::mutex& mutex() {
@@ -67,6 +70,15 @@ bool is_memory(const std::string& folder) {
   if (::statfs(folder.c_str(), &system) != 0) return false;
   const auto type = static_cast<uint32_t>(system.f_type);
   return type == TMPFS_MAGIC || type == RAMFS_MAGIC;
+}
+
+// At once: on a disk that fills up later a write to a mapping would kill the process. Some of the disk stays free for
+// what is written meanwhile.
+bool take_room(int file, size_t bytes) {
+  struct statvfs disk;
+  if (::fstatvfs(file, &disk) != 0) return false;
+  const uint64_t free = uint64_t{disk.f_bavail} * disk.f_frsize;
+  return free >= bytes + kStaysFree && ::fallocate(file, 0, 0, static_cast<off_t>(bytes)) == 0;
 }
 
 // Bytes of the process that are in memory.
@@ -124,13 +136,12 @@ ScratchSpace::ScratchSpace(const std::string& in, size_t resident_bytes) {
   if (File(in).descriptor() < 0)
     throw std::runtime_error(in + ": cannot make a file for scratch space: " + std::strerror(errno));
   if (is_memory(in)) throw std::runtime_error(in + ": no scratch space, files there are in memory too");
-  {
-    const std::lock_guard lock(mutex());
-    if (!folder().empty()) throw std::logic_error("there is a scratch space already");
-    folder() = in;
-    budget() = resident_bytes;
-  }
-  keeper_ = std::make_unique<Keeper>();
+  auto keeper = std::make_unique<Keeper>();
+  const std::lock_guard lock(mutex());
+  if (!folder().empty()) throw std::logic_error("there is a scratch space already");
+  folder() = in;
+  budget() = resident_bytes;
+  keeper_ = std::move(keeper);
 }
 
 ScratchSpace::~ScratchSpace() {
@@ -147,14 +158,18 @@ size_t ScratchSpace::bytes() const {
 }
 
 void* map_scratch(size_t bytes) {
-  const std::lock_guard lock(mutex());
-  if (folder().empty()) return nullptr;
-  if (resident_bytes() > budget()) let_go();
-  const File file(folder());
-  // Room is taken at once: on a disk that fills up later a write to a mapping would kill the process.
-  if (file.descriptor() < 0 || ::posix_fallocate(file.descriptor(), 0, static_cast<off_t>(bytes)) != 0) return nullptr;
+  std::string in;
+  {
+    const std::lock_guard lock(mutex());
+    if (folder().empty()) return nullptr;
+    if (resident_bytes() > budget()) let_go();
+    in = folder();
+  }
+  const File file(in);
+  if (file.descriptor() < 0 || !take_room(file.descriptor(), bytes)) return nullptr;
   void* array = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file.descriptor(), 0);
   if (array == MAP_FAILED) return nullptr;
+  const std::lock_guard lock(mutex());
   arrays().emplace(array, bytes);
   return array;
 }

@@ -3,7 +3,8 @@
 // While a ScratchSpace exists, arrays of 256 KiB or more that LargeArrays allocates (the samples of planes) are
 // mapped from files without names in its folder. Whenever the process holds more than its budget, all of them are let
 // go from resident memory; what is touched again comes back from the page cache, or from disk where the kernel needed
-// the room. Values are the same with and without. Where the disk is full arrays live in memory as ever.
+// the room. Values are the same with and without. Where the disk is nearly full, or cannot promise room, arrays live in
+// memory as ever. The one state of the process that core has: allocation knows no caller.
 #pragma once
 
 #include <cstddef>

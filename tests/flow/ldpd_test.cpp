@@ -100,7 +100,10 @@ class Process {
       std::this_thread::sleep_for(milliseconds(5));
     }
   }
-  bool runs() const { return kill(pid_, 0) == 0 && waitpid(pid_, nullptr, WNOHANG) == 0; }
+  bool runs() const {  // what it ended with stays to be waited for
+    siginfo_t ended{};
+    return waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == 0;
+  }
   Finished stop(int signal) {
     kill(pid_, signal);
     return wait();
@@ -677,9 +680,7 @@ TEST_F(LdpdTest, WhetherLdpFollowsTheSweepOrIsKilledAtItChangesNoByte) {
     const auto begin = Clock::now();
     Process service(words, room_ / "said");
     ASSERT_TRUE(service.says("capturing"));
-    const auto ended = [&] {
-      return service.says("is ready", 0) || service.says("failed: ", 0) || !service.runs();
-    };
+    const auto ended = [&] { return service.says("is ready", 0) || service.says("failed: ", 0) || !service.runs(); };
     // The first is left in peace, the second loses its child when that has begun to follow, the others at any moment.
     if (i == 1) {
       while (!ended() && (frames_in(capture()) < 2 || !service.kill_child())) {
