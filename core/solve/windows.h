@@ -1,6 +1,7 @@
 // Solves a labelling problem of any size window by window: each window's labels are improved with everything outside
 // it held fixed, so that the energy of the whole never rises (window_pass.h). Then regions larger than windows move
-// (regions.h), and the windows that this touched are loaded and solved once more (settling.h).
+// (regions.h), and, where settling_cycles asks for it, the windows that this touched are loaded and solved once more
+// (settling.h).
 #pragma once
 
 #include <cstddef>

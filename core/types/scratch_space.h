@@ -18,9 +18,8 @@ namespace ldp {
 // One at a time in a process.
 class ScratchSpace {
  public:
-  // Throws std::runtime_error where no file can be made in the folder or files there are memory
-  // themselves, std::logic_error for a second one. Arrays that
-  // outlive it stay readable, and are no longer let go.
+  // Throws std::runtime_error where no file can be made in the folder or files there are memory themselves,
+  // std::logic_error for a second one. Arrays that outlive it stay readable, and are no longer let go.
   ScratchSpace(const std::string& folder, size_t resident_bytes);
   ~ScratchSpace();
   ScratchSpace(const ScratchSpace&) = delete;
