@@ -51,7 +51,7 @@ struct Kernels {
                           uint8_t* mask);
 
   // Robust variance over `views` samples (2 .. kMaxViews) of each row, samples[0] being the camera nearest to the rays.
-  // It is the reference. Two views differ by
+  // It is the reference, and given back. Two views differ by
   //   max(0, |grey - grey'| - kGreyNoise) + max(0, |tint - tint'| - kTintNoise), at most 255;
   // with d the sorted differences from the reference, d[0] = 0,
   //   phi = min(kLargestVariance, 2 (d[1] + d[2]) + e), two views: 4 d[1],
@@ -61,13 +61,20 @@ struct Kernels {
   // for true (measured on leaves: 68 % of the rays have their least cost within a label of the truth, against 80 %
   // here). The others tell chance matches apart on surfaces with little texture.
   void (*robust_variance)(const uint8_t* const* samples, const uint8_t* const* tints, int views, int count,
-                          uint8_t* phi, uint8_t* reference);
+                          uint8_t* phi, const Tinted<uint8_t>& reference);
 
   // The same over the samples whose mask is 255; the reference is the first of them. Where one is left phi
   // = prior, where none is kLargestVariance and the reference 128. 1 <= views <= kMaxViews.
   void (*masked_robust_variance)(const uint8_t* const* samples, const uint8_t* const* tints,
                                  const uint8_t* const* masks, int views, int prior, int count, uint8_t* phi,
-                                 uint8_t* reference);
+                                 const Tinted<uint8_t>& reference);
+
+  // low[i] and high[i] = the least and the largest of in[i] .. in[i + 6].
+  void (*range7)(const uint8_t* in, int count, uint8_t* low, uint8_t* high);
+
+  // The contrast of windows of 7 columns' ranges: with grey the largest high[k].grey[i] less the least low[k].grey[i],
+  // and tint alike, out[i] = max(grey, tint / 2).
+  void (*contrast7)(const Tinted<const uint8_t>* low, const Tinted<const uint8_t>* high, int count, uint8_t* out);
 
   // out[i] = in[i] + in[i + 1] + ... + in[i + 4].
   void (*sum5)(const uint8_t* in, int count, uint16_t* out);

@@ -63,7 +63,7 @@ class FineMinimum final : public SlabSink {
     part_ = part;
   }
 
-  void column(int x, const uint16_t* cost, const uint8_t* grey) override {
+  void column(int x, const uint16_t* cost, const uint8_t* grey, const uint8_t* /*contrast*/) override {
     const auto at = static_cast<size_t>((part_.x - window_.x + x) * window_.height + part_.y - window_.y);
     const int16_t now = now_, *centre = centre_.data() + at;
     int16_t *previous = previous_.data() + at, *best = best_.data() + at, *before = before_.data() + at,
@@ -130,7 +130,7 @@ DisparityMap Sweep::refine(const Plane<uint8_t>& labels, const Plane<uint8_t>& m
       if (box.empty()) continue;
       minimum.start(step, box.window());
       const double w = t.grid.inverse_depth(static_cast<double>(step) * kDisparitySteps / fine_steps);
-      sweep_slab(t.lines, w, box.window(), t.options.prior_cost, scratch->slab, minimum);
+      sweep_slab(t.lines, w, box.window(), t.options.prior_cost, false, scratch->slab, minimum);
     }
     t.give_back(std::move(scratch));
     size_t i = 0;

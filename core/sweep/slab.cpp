@@ -11,11 +11,12 @@ class Column {
   Column(const Lines& lines, int y_begin, int y_end, int prior_cost, SlabScratch& scratch)
       : lines_(lines), y_begin_(y_begin), y_end_(y_end), prior_cost_(prior_cost), scratch_(scratch) {}
 
-  void compute(uint8_t* phi, uint8_t* median) {
+  void compute(uint8_t* phi, const kernels::Tinted<uint8_t>& reference) {
     for (int k = 0; k < lines_.count; ++k) sample(k);
     for (int y = y_begin_; y < y_end_;) {
       const int end = segment_end(y);
-      vary(y, end, phi + (y - y_begin_), median + (y - y_begin_));
+      const int at = y - y_begin_;
+      vary(y, end, phi + at, {reference.grey + at, reference.tint + at});
       y = end;
     }
   }
@@ -57,7 +58,7 @@ class Column {
     return end;
   }
 
-  void vary(int y, int end, uint8_t* phi, uint8_t* median) {
+  void vary(int y, int end, uint8_t* phi, const kernels::Tinted<uint8_t>& reference) {
     const uint8_t* samples[kernels::kMaxViews];
     const uint8_t* tints[kernels::kMaxViews];
     const uint8_t* masks[kernels::kMaxViews];
@@ -70,13 +71,16 @@ class Column {
     }
     const int count = end - y;
     if (views > 0 && masked_)
-      return scratch_.kernels.masked_robust_variance(samples, tints, masks, views, prior_cost_, count, phi, median);
-    if (views > 1) return scratch_.kernels.robust_variance(samples, tints, views, count, phi, median);
+      return scratch_.kernels.masked_robust_variance(samples, tints, masks, views, prior_cost_, count, phi, reference);
+    if (views > 1) return scratch_.kernels.robust_variance(samples, tints, views, count, phi, reference);
     std::fill(phi, phi + count, static_cast<uint8_t>(prior_cost_));
-    if (views == 1)
-      std::copy(samples[0], samples[0] + count, median);
-    else
-      std::fill(median, median + count, uint8_t{128});
+    if (views == 1) {
+      std::copy(samples[0], samples[0] + count, reference.grey);
+      std::copy(tints[0], tints[0] + count, reference.tint);
+    } else {
+      std::fill(reference.grey, reference.grey + count, uint8_t{128});
+      std::fill(reference.tint, reference.tint + count, uint8_t{128});
+    }
   }
 
   const Lines& lines_;
@@ -91,6 +95,20 @@ void grow(std::vector<T>& buffer, int size) {
   if (buffer.size() < wanted) buffer.resize(wanted);
 }
 
+// The ranges of one more column; once there are kSupport, the contrast of windows over them.
+void take_range(int column, const uint8_t* grey, int count, SlabScratch& scratch) {
+  auto &greys = scratch.greys[column % kSupport], &hues = scratch.hues[column % kSupport];
+  scratch.kernels.range7(grey, count, greys.low.data(), greys.high.data());
+  scratch.kernels.range7(scratch.reference_tint.data(), count, hues.low.data(), hues.high.data());
+  if (column < kSupport - 1) return;
+  kernels::Tinted<const uint8_t> low[kSupport], high[kSupport];
+  for (int k = 0; k < kSupport; ++k) {
+    low[k] = {scratch.greys[k].low.data(), scratch.hues[k].low.data()};
+    high[k] = {scratch.greys[k].high.data(), scratch.hues[k].high.data()};
+  }
+  scratch.kernels.contrast7(low, high, count, scratch.contrast.data());
+}
+
 }  // namespace
 
 void SlabScratch::reserve(int height, int longest_column) {
@@ -103,12 +121,19 @@ void SlabScratch::reserve(int height, int longest_column) {
   for (auto& buffer : medians) grow(buffer, rows);
   for (auto& buffer : sums) grow(buffer, rows);
   for (auto& buffer : lowest) grow(buffer, rows);
+  for (auto* ranges : {greys, hues})
+    for (int k = 0; k < kSupport; ++k) {
+      grow(ranges[k].low, rows);
+      grow(ranges[k].high, rows);
+    }
+  grow(contrast, rows);
+  grow(reference_tint, rows);
   grow(phi, rows);
   grow(total, rows);
   grow(cost, rows);
 }
 
-void sweep_slab(const LineTable& lines, double inverse_depth, const Window& window, int prior_cost,
+void sweep_slab(const LineTable& lines, double inverse_depth, const Window& window, int prior_cost, bool with_contrast,
                 SlabScratch& scratch, SlabSink& sink) {
   const int y_begin = window.y - kHalo, y_end = window.y + window.height + kHalo;
   const int boxes = window.height + 2;  // rows whose box is needed
@@ -117,8 +142,10 @@ void sweep_slab(const LineTable& lines, double inverse_depth, const Window& wind
   Lines found;
   for (int i = 0; i < window.width + 2 * kHalo; ++i) {
     lines.find(window.x - kHalo + i, inverse_depth, y_begin, y_end, found);
+    uint8_t* grey = scratch.medians[i % (kHalo + 1)].data();
     Column(found, y_begin, y_end, prior_cost, scratch)
-        .compute(scratch.phi.data(), scratch.medians[i % (kHalo + 1)].data());
+        .compute(scratch.phi.data(), {grey, scratch.reference_tint.data()});
+    if (with_contrast) take_range(i, grey, window.height, scratch);
     uint16_t* leaving = scratch.sums[i % 5].data();
     uint16_t* total = scratch.total.data();
     // The sums that leave make room for those that enter.
@@ -131,7 +158,8 @@ void sweep_slab(const LineTable& lines, double inverse_depth, const Window& wind
     if (i < 2 * kHalo) continue;
     scratch.kernels.min3_columns(scratch.lowest[0].data(), scratch.lowest[1].data(), scratch.lowest[2].data(),
                                  window.height, scratch.cost.data());
-    sink.column(i - 2 * kHalo, scratch.cost.data(), scratch.medians[(i + 1) % (kHalo + 1)].data() + kHalo);
+    sink.column(i - 2 * kHalo, scratch.cost.data(), scratch.medians[(i + 1) % (kHalo + 1)].data() + kHalo,
+                with_contrast ? scratch.contrast.data() : nullptr);
   }
 }
 

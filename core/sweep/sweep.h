@@ -23,6 +23,8 @@ struct SweepOptions {
   int margin = 4;       // what fewer than two cameras can see costs at most so much more than the ray's best match
 };
 
+struct SweepScratch;
+
 class Sweep final : public CostSource {
  public:
   // `visibility` is empty (everything is visible) or has one map per frame. `behind` is empty, or gives for each pixel
@@ -45,6 +47,7 @@ class Sweep final : public CostSource {
   static Window part_with_label(const Window& window, const std::vector<int8_t>& nearest, int label);
   void forbid_front(const std::vector<int8_t>& nearest, uint8_t* cost, uint8_t* median) const;
   void rate_unmatched(const Window& window, uint8_t* cost) const;
+  void equal_where_plain(const SweepScratch& found, size_t pixels, uint8_t* cost) const;
   struct Tables;
   std::unique_ptr<Tables> tables_;
 };

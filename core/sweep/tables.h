@@ -14,7 +14,8 @@ namespace ldp {
 // Buffers of one thread inside read or refine.
 struct SweepScratch {
   SlabScratch slab;
-  std::vector<uint8_t> best, best_median;
+  std::vector<uint8_t> best, best_median, contrast;  // of the label at hand
+  std::vector<uint8_t> least, contrast_at_least;     // of all labels
 };
 
 struct Sweep::Tables {

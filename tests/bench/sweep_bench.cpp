@@ -33,7 +33,7 @@ const PreparedCapture* garden() {
 
 class Discard final : public SlabSink {
  public:
-  void column(int, const uint16_t* cost, const uint8_t*) override { benchmark::DoNotOptimize(cost); }
+  void column(int, const uint16_t* cost, const uint8_t*, const uint8_t*) override { benchmark::DoNotOptimize(cost); }
 };
 
 int64_t samples_of(const LineTable& table, double inverse_depth, const Window& window) {
@@ -62,7 +62,7 @@ void Slabs(benchmark::State& state, const kernels::Kernels& kernels) {
   for (auto _ : state) {
     const Window window{slab * kColumns % (grid.width - kColumns), 0, kColumns, grid.height};
     const double w = grid.inverse_depth(slab * 7919 % kDisparitySteps);
-    sweep_slab(table, w, window, kPriorCost, scratch, sink);
+    sweep_slab(table, w, window, kPriorCost, false, scratch, sink);
     state.PauseTiming();
     samples += samples_of(table, w, window);
     state.ResumeTiming();
@@ -88,7 +88,7 @@ void Kernels(benchmark::State& state, const kernels::Kernels& kernels) {
       views[k] = out.grey;
       views[kViews + k] = out.tint;
     }
-    kernels.robust_variance(views, views + kViews, kViews, kRows, phi.data(), grey.data());
+    kernels.robust_variance(views, views + kViews, kViews, kRows, phi.data(), {grey.data(), right.data()});
     kernels.sum5(phi.data(), kRows, sums.data());
     kernels.slide(sums.data(), sums.data(), kRows, total.data());
     kernels.min3_rows(total.data(), kRows, lowest.data());

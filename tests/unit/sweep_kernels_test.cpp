@@ -118,8 +118,9 @@ TEST_P(SweepKernels, RobustVarianceOfTwoToEightViews) {
         tints.push_back(noise<uint8_t>(kLongest, v == 7 ? 255 : 20));
       }
       const auto pointers = pointers_to(samples), tint_pointers = pointers_to(tints);
-      std::vector<uint8_t> phi(kLongest + kPadding), reference = phi, expected;
-      k().robust_variance(pointers.data(), tint_pointers.data(), views, count, phi.data(), reference.data());
+      std::vector<uint8_t> phi(kLongest + kPadding), reference = phi, reference_tint = phi, expected;
+      k().robust_variance(pointers.data(), tint_pointers.data(), views, count, phi.data(),
+                          {reference.data(), reference_tint.data()});
       for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
         std::vector<Seen> seen;
         for (size_t v = 0; v < samples.size(); ++v) seen.push_back({samples[v][i], tints[v][i]});
@@ -127,6 +128,7 @@ TEST_P(SweepKernels, RobustVarianceOfTwoToEightViews) {
       }
       ASSERT_EQ(first(phi, count), expected) << views << " " << count;
       ASSERT_EQ(first(reference, count), first(samples[0], count));
+      ASSERT_EQ(first(reference_tint, count), first(tints[0], count));
     }
 }
 
@@ -143,19 +145,58 @@ TEST_P(SweepKernels, MaskedVarianceLooksOnlyAtWhatSees) {
       }
       const auto pointers = pointers_to(samples), tint_pointers = pointers_to(tints),
                  mask_pointers = pointers_to(masks);
-      std::vector<uint8_t> phi(kLongest + kPadding), reference = phi, expected, expected_reference;
+      std::vector<uint8_t> phi(kLongest + kPadding), reference = phi, reference_tint = phi, expected,
+                                                     expected_reference, expected_tint;
       k().masked_robust_variance(pointers.data(), tint_pointers.data(), mask_pointers.data(), views, kPrior, count,
-                                 phi.data(), reference.data());
+                                 phi.data(), {reference.data(), reference_tint.data()});
       for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
         std::vector<Seen> seen;
         for (size_t v = 0; v < samples.size(); ++v)
           if (masks[v][i]) seen.push_back({samples[v][i], tints[v][i]});
         expected.push_back(static_cast<uint8_t>(variance_of(seen, kPrior)));
         expected_reference.push_back(static_cast<uint8_t>(seen.empty() ? 128 : seen[0].grey));
+        expected_tint.push_back(static_cast<uint8_t>(seen.empty() ? 128 : seen[0].tint));
       }
       ASSERT_EQ(first(phi, count), expected) << views << " " << count;
       ASSERT_EQ(first(reference, count), expected_reference);
+      ASSERT_EQ(first(reference_tint, count), expected_tint);
     }
+}
+
+TEST_P(SweepKernels, RangesOfRowsAndContrastOfColumns) {
+  std::vector<std::vector<uint8_t>> grey, tint;
+  for (int column = 0; column < 7; ++column) {
+    grey.push_back(noise<uint8_t>(kLongest + 6, 40));
+    tint.push_back(noise<uint8_t>(kLongest + 6, 90));
+  }
+  for (int count = 1; count <= kLongest; ++count) {
+    std::vector<std::vector<uint8_t>> buffers(28, std::vector<uint8_t>(kLongest + kPadding));
+    Tinted<const uint8_t> low[7], high[7];
+    for (size_t k = 0; k < 7; ++k) {
+      const auto to = buffers.begin() + static_cast<std::ptrdiff_t>(4 * k);
+      this->k().range7(grey[k].data(), count, to[0].data(), to[1].data());
+      this->k().range7(tint[k].data(), count, to[2].data(), to[3].data());
+      low[k] = {to[0].data(), to[2].data()};
+      high[k] = {to[1].data(), to[3].data()};
+    }
+    std::vector<uint8_t> contrast(kLongest + kPadding);
+    this->k().contrast7(low, high, count, contrast.data());
+    const auto range = [](const std::vector<std::vector<uint8_t>>& columns, int row) {
+      int least = 255, largest = 0;
+      for (const auto& column : columns) {
+        const auto [from, to] = std::minmax_element(column.begin() + row, column.begin() + row + 7);
+        least = std::min<int>(least, *from);
+        largest = std::max<int>(largest, *to);
+      }
+      return largest - least;
+    };
+    for (int i = 0; i < count; ++i) {
+      const auto [least, largest] = std::minmax_element(grey[0].begin() + i, grey[0].begin() + i + 7);
+      ASSERT_EQ(low[0].grey[i], *least);
+      ASSERT_EQ(high[0].grey[i], *largest);
+      ASSERT_EQ(contrast[static_cast<size_t>(i)], std::max(range(grey, i), range(tint, i) / 2)) << count;
+    }
+  }
 }
 
 TEST_P(SweepKernels, SumsAndMinimaOfWindows) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <random>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -24,7 +25,7 @@ double texture(double theta, double height) {
 }
 
 // What an upright camera on the circle of radius 1 sees of a textured cylinder around it, at distance 1 / w.
-UprightFrame picture_of_cylinder(double theta, double w, int source) {
+UprightFrame picture_of_cylinder(double theta, double w, int source, double (*paint)(double, double) = texture) {
   UprightFrame frame = upright_of(camera_at(theta), source);
   const UprightCamera& camera = frame.camera;
   const double radius = 1 + 1 / w;
@@ -35,7 +36,7 @@ UprightFrame picture_of_cylinder(double theta, double w, int source) {
       const double a = ray.head<2>().squaredNorm(), b = ray.head<2>().dot(camera.centre.head<2>());
       const double t = (-b + std::sqrt(b * b + a * (radius * radius - 1))) / a;
       const Eigen::Vector3d hit = camera.centre + t * ray;
-      frame.columns.row(x)[y] = static_cast<uint8_t>(texture(std::atan2(hit.y(), hit.x()), hit.z() * w));
+      frame.columns.row(x)[y] = static_cast<uint8_t>(paint(std::atan2(hit.y(), hit.x()), hit.z() * w));
     }
   return frame;
 }
@@ -71,6 +72,68 @@ TEST(Sweep, SurfacesOfOneGreyAreToldByTheirTint) {
   for (size_t pixel = 0; pixel < 400; ++pixel) {
     const auto first = costs.cost.begin() + static_cast<std::ptrdiff_t>(16 * pixel);
     EXPECT_EQ(std::min_element(first, first + 16) - first, label);
+  }
+}
+
+// Of a surface without texture: slow shading of so many levels, which differs from picture to picture.
+std::vector<UprightFrame> shaded_pictures(int levels) {
+  std::vector<UprightFrame> frames = pictures(0.25);
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const UprightCamera& camera = frames[i].camera;
+    for (int x = 0; x < camera.width; ++x)
+      std::fill_n(frames[i].columns.row(x), camera.height,
+                  static_cast<uint8_t>(100 + levels * std::abs((x + 7 * static_cast<int>(i)) % 24 - 12) / 12));
+  }
+  return frames;
+}
+
+int costs_of_a_pixel(const Costs& costs, size_t pixel) {
+  const auto first = costs.cost.begin() + static_cast<std::ptrdiff_t>(16 * pixel);
+  return static_cast<int>(std::set<int>(first, first + 16).size());
+}
+
+TEST(Sweep, SmallDifferencesOfAPlainSurfaceTellNoLabelsApart) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  const Window window{30, 15, 40, 30};
+  const Costs plain = read(Sweep(shaded_pictures(4), grid, {}, {}, {}), window),
+              textured = read(Sweep(shaded_pictures(40), grid, {}, {}, {}), window);
+  for (size_t pixel = 0; pixel < 1200; ++pixel) {
+    ASSERT_EQ(costs_of_a_pixel(plain, pixel), 1) << pixel;
+    ASSERT_GT(costs_of_a_pixel(textured, pixel), 4) << pixel;
+  }
+}
+
+TEST(Sweep, APlainSurfaceIsStillToldFromAnotherOne) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  const auto halves = [](double theta, double) { return theta > 0 ? 100.0 : 160.0; };
+  const std::vector<UprightFrame> frames = {picture_of_cylinder(0.2, 0.36, 0, halves),
+                                            picture_of_cylinder(-0.2, 0.36, 1, halves)};
+  const Costs costs = read(Sweep(frames, grid, {}, {}, {}), {30, 20, 40, 1});
+  int others = 0, equal = 0;
+  for (const uint8_t cost : costs.cost) {
+    others += cost > 20;
+    equal += cost == 16;
+  }
+  EXPECT_GT(others, 30);
+  EXPECT_GT(equal, 100);
+}
+
+TEST(Sweep, PlainSurfacesCostTheSameInAnyWindow) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  const auto frames = shaded_pictures(9);
+  DisparityMap front(grid.width, grid.height, 9 * kDisparitySteps / 15);
+  for (int y = 0; y < grid.height; y += 2) std::fill_n(front.row(y), grid.width, 4 * kDisparitySteps / 15);
+  for (const DisparityMap& behind : {DisparityMap(), front}) {
+    const Sweep sweep(frames, grid, {}, behind, {});
+    const Costs whole = read(sweep, {0, 0, grid.width, grid.height});
+    for (int y = 10; y < 50; ++y) {
+      const Window window{31, y, 9, 1};
+      const Costs part = read(sweep, window);
+      for (int x = 0; x < window.width; ++x)
+        for (int label = 0; label < 16; ++label)
+          ASSERT_EQ(part.cost[static_cast<size_t>(x * 16 + label)],
+                    whole.cost[static_cast<size_t>(((window.x + x) * grid.height + y) * 16 + label)]);
+    }
   }
 }
 
