@@ -1,6 +1,5 @@
 #include "follow.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -8,22 +7,20 @@
 #include <cmath>
 #include <optional>
 
+#include "patches.h"
+
 namespace ldp {
 namespace {
 
-constexpr int kRadius = 5;  // the patch is 11 x 11 samples
-constexpr int kSide = 2 * kRadius + 1, kSamples = kSide * kSide;
-constexpr int kRounds = 12;            // of alignment per level
-constexpr double kSettled = 0.02;      // pixels; smaller steps end it
-constexpr double kLeastContrast = 3;   // grey levels, standard deviation
-constexpr double kFlattest = 0.15;     // contrast gradients of the weaker direction, against the stronger, squared
+constexpr int kSmall = 5;              // a patch is 11 x 11 samples
+constexpr int kLarge = 9;              // or 19 x 19, where as much lies in one plane:
+constexpr double kAsAlike = 1.2;       // what is left of differences, squared, may be so many times that of the small,
+constexpr double kSamePlace_px = 0.5;  // and it is found no farther from where the small one was
 constexpr int kChunk = 64;             // tracks per task
 constexpr size_t kLeastAveraged = 3;   // frames whose average is less noisy than the anchor
 constexpr int kAverages = 2;           // each of what was aligned with the one before
 constexpr double kFeatureSigma = 0.3;  // of where a feature is found, pixels of a photo 800 long: weight 1
 constexpr double kFinestSigma = 0.06;  // of the best that is followed
-
-using Patch = std::array<float, kSamples>;
 
 GreyImage halved(const GreyImage& image) {
   GreyImage half(image.width / 2, image.height / 2);
@@ -34,114 +31,6 @@ GreyImage halved(const GreyImage& image) {
     }
   }
   return half;
-}
-
-// Bilinear samples at centre + warp * (integer offsets); false when part of it is outside. Pixel centres at .5.
-bool sample(const GreyImage& image, const Eigen::Vector2d& centre, const Eigen::Matrix2d& warp, Patch& patch) {
-  const double reach_x = kRadius * (std::abs(warp(0, 0)) + std::abs(warp(0, 1)));
-  const double reach_y = kRadius * (std::abs(warp(1, 0)) + std::abs(warp(1, 1)));
-  if (!(centre.x() - reach_x > 1 && centre.x() + reach_x < image.width - 1)) return false;
-  if (!(centre.y() - reach_y > 1 && centre.y() + reach_y < image.height - 1)) return false;
-  const Eigen::Matrix2f w = warp.cast<float>();
-  size_t i = 0;
-  for (int dy = -kRadius; dy <= kRadius; ++dy) {
-    float x = static_cast<float>(centre.x()) - 0.5F - kRadius * w(0, 0) + static_cast<float>(dy) * w(0, 1);
-    float y = static_cast<float>(centre.y()) - 0.5F - kRadius * w(1, 0) + static_cast<float>(dy) * w(1, 1);
-    for (int dx = 0; dx < kSide; ++dx, x += w(0, 0), y += w(1, 0)) {
-      const int column = static_cast<int>(x), row = static_cast<int>(y);
-      const float fx = x - static_cast<float>(column), fy = y - static_cast<float>(row);
-      const uint8_t *p = image.row(row) + column, *q = p + image.width;
-      const float top = static_cast<float>(p[0]) + fx * static_cast<float>(p[1] - p[0]);
-      const float bottom = static_cast<float>(q[0]) + fx * static_cast<float>(q[1] - q[0]);
-      patch[i++] = top + fy * (bottom - top);
-    }
-  }
-  return true;
-}
-
-// To mean 0 and length 1; false when there is next to nothing to see.
-bool normalise(Patch& patch) {
-  float sum = 0, squares = 0;
-  for (const float s : patch) sum += s;
-  for (float& s : patch) {
-    s -= sum / kSamples;
-    squares += s * s;
-  }
-  if (squares < kLeastContrast * kLeastContrast * kSamples) return false;
-  const float scale = 1 / std::sqrt(squares);
-  for (float& s : patch) s *= scale;
-  return true;
-}
-
-// What is looked for: the anchor's patch, its gradients, and their inverse normal matrix.
-struct Template {
-  Patch patch;
-  std::array<float, kSamples> gradient_x, gradient_y;
-  Eigen::Matrix2d inverse;
-};
-
-// Of a patch of mean 0 and length 1. None of an edge, which slides along itself.
-std::optional<Template> make_template(const Patch& patch) {
-  Template t;
-  t.patch = patch;
-  Eigen::Matrix2d h = Eigen::Matrix2d::Zero();
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      const auto at = [&](int i, int j) {
-        return t.patch[static_cast<size_t>(std::clamp(j, 0, kSide - 1) * kSide + std::clamp(i, 0, kSide - 1))];
-      };
-      const size_t i = static_cast<size_t>(y * kSide + x);
-      t.gradient_x[i] = 0.5F * (at(x + 1, y) - at(x - 1, y));
-      t.gradient_y[i] = 0.5F * (at(x, y + 1) - at(x, y - 1));
-      const Eigen::Vector2d g(static_cast<double>(t.gradient_x[i]), static_cast<double>(t.gradient_y[i]));
-      h += g * g.transpose();
-    }
-  }
-  const double trace = h.trace(), determinant = h.determinant();
-  if (determinant < kFlattest * (1 - kFlattest) * 0.25 * trace * trace) return std::nullopt;
-  t.inverse = h.inverse();
-  return t;
-}
-
-std::optional<Template> make_template(const GreyImage& image, const Eigen::Vector2d& centre) {
-  Patch patch;
-  if (!sample(image, centre, Eigen::Matrix2d::Identity(), patch) || !normalise(patch)) return std::nullopt;
-  return make_template(patch);
-}
-
-struct Aligned {
-  Eigen::Vector2d position;
-  Patch patch;  // there, but for a step too small to count
-  double correlation = 0;
-};
-
-// What is left of the difference of two patches of length 1, taken for noise, moves the position by so much, pixels of
-// the picture. Where near and far things cross, the patch changes from frame to frame; that shows here.
-double position_sigma(const Template& t, double correlation) {
-  const double noise = std::sqrt(2 * std::max(0.0, 1 - correlation) / kSamples);
-  return noise * std::sqrt(0.5 * t.inverse.trace());
-}
-
-std::optional<Aligned> align(const Template& t, const GreyImage& image, const Eigen::Vector2d& position,
-                             const Eigen::Matrix2d& warp) {
-  Aligned there{position, {}};
-  for (int round = 0; round < kRounds; ++round) {
-    Patch& patch = there.patch;
-    if (!sample(image, there.position, warp, patch) || !normalise(patch)) return std::nullopt;
-    float gx = 0, gy = 0, product = 0;
-    for (size_t i = 0; i < kSamples; ++i) {
-      const float difference = t.patch[i] - patch[i];
-      gx += t.gradient_x[i] * difference;
-      gy += t.gradient_y[i] * difference;
-      product += t.patch[i] * patch[i];
-    }
-    there.correlation = static_cast<double>(product);
-    const Eigen::Vector2d step = warp * (t.inverse * Eigen::Vector2d(static_cast<double>(gx), static_cast<double>(gy)));
-    if (step.norm() > 3) return std::nullopt;
-    there.position += step;
-    if (step.norm() < kSettled) return there;
-  }
-  return std::nullopt;
 }
 
 struct Levels {
@@ -166,14 +55,14 @@ class Follower {
     const Observation& anchor = track[track.size() / 2];
     const size_t home = static_cast<size_t>(anchor.frame);
     const Eigen::Vector2d in_picture = to_picture(anchor.position_px, home);
-    const auto fine = make_template(pictures_[home].grey, in_picture);
+    const auto fine = make_template<kSmall>(pictures_[home].grey, in_picture);
     if (!fine) return {};
-    const auto coarse = make_template(levels_[home].half, 0.5 * in_picture);
+    const auto coarse = make_template<kSmall>(levels_[home].half, 0.5 * in_picture);
     const InversePoint shown = on_ray(anchor, point);
-    std::vector<Shown> found;
+    std::vector<Shown<kSmall>> found;
     for (size_t frame = 0; frame < bundle_.cameras.size(); ++frame) {
       if (frame == home) {
-        found.push_back({home, Eigen::Matrix2d::Identity(), {in_picture, fine->patch, 1}});
+        found.push_back({home, Eigen::Matrix2d::Identity(), {in_picture, fine->patch, 1, 0}});
         continue;
       }
       const auto prediction = predict(home, frame, shown);
@@ -193,23 +82,24 @@ class Follower {
   }
 
  private:
+  template <int kRadius>
   struct Shown {
     size_t frame;
     Eigen::Matrix2d warp;  // from the anchor's surroundings
-    Aligned aligned;
+    Aligned<kRadius> aligned;
   };
 
   // The anchor's noise is in all that was aligned with it. What all frames show on the average has less, and the anchor
   // is aligned with it as the others are.
-  Track observations(const Template& of_anchor, std::vector<Shown> found, size_t home) const {
-    Template t = of_anchor;
+  Track observations(const Template<kSmall>& of_anchor, std::vector<Shown<kSmall>> found, size_t home) const {
+    Template<kSmall> t = of_anchor;
     const bool averaged = found.size() >= kLeastAveraged;
     for (int i = 0; averaged && i < kAverages; ++i) {
-      const auto mean = make_template(average(found));
+      const auto mean = make_template<kSmall>(average<kSmall>(found));
       if (!mean) return {};
       t = *mean;
-      std::vector<Shown> again;
-      for (const Shown& shown : found) {
+      std::vector<Shown<kSmall>> again;
+      for (const auto& shown : found) {
         const auto aligned = align(t, pictures_[shown.frame].grey, shown.aligned.position, shown.warp);
         if (aligned && aligned->correlation >= options_.least_correlation)
           again.push_back({shown.frame, shown.warp, *aligned});
@@ -217,8 +107,10 @@ class Follower {
       if (again.size() < kLeastAveraged) return {};
       found = std::move(again);
     }
+    Track wide = widened(found, averaged, home);
+    if (!wide.empty()) return wide;
     Track track;
-    for (const Shown& shown : found) {
+    for (const auto& shown : found) {
       const double sigma = averaged || shown.frame != home ? position_sigma(t, shown.aligned.correlation) : 0;
       track.push_back({static_cast<int>(shown.frame), -1, from_picture(shown.aligned.position, shown.frame),
                        weight(sigma, shown.frame)});
@@ -226,10 +118,44 @@ class Follower {
     return track;
   }
 
-  static Patch average(const std::vector<Shown>& found) {
-    Patch mean{};
-    for (const Shown& shown : found) {
-      for (size_t i = 0; i < kSamples; ++i) mean[i] += shown.aligned.patch[i];
+  // The same with more of the surroundings, which tells more where they lie in one plane: where they are as alike from
+  // frame to frame. Empty if not.
+  Track widened(const std::vector<Shown<kSmall>>& found, bool averaged, size_t home) const {
+    if (found.size() < 2) return {};
+    std::vector<Shown<kLarge>> wide;
+    for (const auto& shown : found) {
+      Patch<kLarge> patch;
+      if (!sample<kLarge>(pictures_[shown.frame].grey, shown.aligned.position, shown.warp, patch) || !normalise(patch))
+        return {};
+      wide.push_back({shown.frame, shown.warp, {shown.aligned.position, patch}});
+    }
+    const auto anchor = std::find_if(wide.begin(), wide.end(), [&](const auto& w) { return w.frame == home; });
+    if (!averaged && anchor == wide.end()) return {};
+    const auto t = make_template<kLarge>(averaged ? average<kLarge>(wide) : anchor->aligned.patch);
+    if (!t) return {};
+    double unlike_before = 0, unlike = 0;
+    Track track;
+    for (const auto& shown : found) {
+      const int frame = static_cast<int>(shown.frame);
+      if (!averaged && shown.frame == home) {
+        track.push_back({frame, -1, from_picture(shown.aligned.position, home), weight(0, home)});
+        continue;
+      }
+      const auto there = align<kLarge>(*t, pictures_[shown.frame].grey, shown.aligned.position, shown.warp);
+      if (!there || (there->position - shown.aligned.position).norm() > kSamePlace_px) return {};
+      unlike_before += shown.aligned.unlike();
+      unlike += there->unlike();
+      track.push_back({frame, -1, from_picture(there->position, shown.frame),
+                       weight(position_sigma(*t, there->correlation), shown.frame)});
+    }
+    return unlike <= kAsAlike * unlike_before ? track : Track{};
+  }
+
+  template <int kRadius>
+  static Patch<kRadius> average(const std::vector<Shown<kRadius>>& found) {
+    Patch<kRadius> mean{};
+    for (const auto& shown : found) {
+      for (size_t i = 0; i < mean.size(); ++i) mean[i] += shown.aligned.patch[i];
     }
     float squares = 0;
     for (const float s : mean) squares += s * s;

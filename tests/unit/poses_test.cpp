@@ -370,6 +370,45 @@ INSTANTIATE_TEST_SUITE_P(EveryModel, AdjustModel, testing::Values(Model::rotatio
                                                                     : "free";
                          });
 
+TEST(Adjust, GivesTheSameBytesAtAnyThreadCount) {
+  const auto adjusted = [](int threads) {
+    Bundle bundle = true_bundle(Model::free);
+    bundle.lens = {720, 0, 0};
+    Job job;
+    job.threads = threads;
+    BundleOptions options;
+    options.refine_distortion = true;
+    adjust(bundle, options, job);
+    return bundle;
+  };
+  const Bundle one = adjusted(1), three = adjusted(3);
+  EXPECT_EQ(one.lens.focal_px, three.lens.focal_px);
+  for (size_t i = 0; i < one.cameras.size(); ++i) {
+    EXPECT_EQ(one.cameras[i].world_from_camera, three.cameras[i].world_from_camera);
+    EXPECT_EQ(one.cameras[i].centre, three.cameras[i].centre);
+  }
+}
+
+TEST(Adjust, KeepsPointsThisSideOfInfinityWhereAsked) {
+  const auto farthest = [](bool in_front) {
+    Bundle bundle = true_bundle(Model::free);
+    for (size_t i = 0; i < bundle.points.size(); i += 2) bundle.points[i].inverse_distance = -0.02;
+    for (BundleObservation& o : bundle.observations) {
+      o.position_px = project_point(bundle.cameras[static_cast<size_t>(o.camera)], bundle.lens,
+                                    bundle.points[static_cast<size_t>(o.point)])
+                          .position_px;
+    }
+    BundleOptions options;
+    options.in_front = in_front;
+    EXPECT_TRUE(adjust(bundle, options, Job{}).usable);
+    double least = 0;
+    for (const InversePoint& point : bundle.points) least = std::min(least, point.inverse_distance);
+    return least;
+  };
+  EXPECT_EQ(farthest(true), 0);
+  EXPECT_LT(farthest(false), -0.01);
+}
+
 TEST(PlaceGood, LeavesOutATrackOfWhichOnlyHalfAgrees) {
   Bundle bundle = true_bundle(Model::free);
   const auto track_of = [&](int point) {
