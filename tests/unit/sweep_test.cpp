@@ -324,6 +324,34 @@ TEST(Smooth, MovesAnOutlineToTheEdgeOfTheImageAndRemovesNoise) {
     for (int x = 6; x < 54; ++x) ASSERT_NEAR(out.at(x, y), x < 30 ? 3000 : 600, 8) << x << "," << y;
 }
 
+// What smoothing leaves of noise as coarse as its window, as a mean square. `dots`: the guide is plain but for them.
+double left_of_coarse_noise(bool dots) {
+  DisparityMap disparity(96, 96);
+  Plane<uint8_t> guide(96, 96, 100);
+  std::mt19937 random(3);
+  for (int y = 0; y < 96; y += 8)
+    for (int x = 0; x < 96; x += 8) {
+      const auto value = static_cast<uint16_t>(1000 + random() % 120);
+      for (int row = y; row < y + 8; ++row) std::fill_n(disparity.row(row) + x, 8, value);
+    }
+  for (int y = 0; dots && y < 96; y += 5)
+    for (int x = 0; x < 96; x += 5) guide.at(x, y) = 160;
+  const DisparityMap out = smooth(disparity, guide, false, {});
+  double sum = 0, squares = 0;
+  int count = 0;
+  for (int y = 10; y < 86; ++y)
+    for (int x = 10; x < 86; ++x) {
+      if (guide.at(x, y) != 100) continue;
+      sum += out.at(x, y), squares += out.at(x, y) * out.at(x, y);
+      ++count;
+    }
+  return squares / count - sum / count * sum / count;
+}
+
+TEST(Smooth, WhereThePictureIsPlainSmoothsOnceMore) {
+  EXPECT_LT(left_of_coarse_noise(false), 0.75 * left_of_coarse_noise(true));
+}
+
 TEST(Smooth, LooksAcrossTheSeamOfAGridThatWraps) {
   DisparityMap disparity(40, 12, 1000);
   const Plane<uint8_t> guide(40, 12, 100);
