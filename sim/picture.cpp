@@ -205,6 +205,11 @@ Picture take_picture(const Scene& scene, const Camera& camera, const PictureOpti
   return {develop(picture, options, job), std::move(picture.depth)};
 }
 
+Rgb developed(const Vector3f& light) {
+  Random unused(0);
+  return develop(light, {}, unused);
+}
+
 Plane<float> take_depth(const Scene& scene, const Camera& camera, const Job& job) {
   check(camera, {});
   const Eye eye(scene, camera);

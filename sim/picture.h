@@ -26,6 +26,9 @@ struct Picture {
 
 Picture take_picture(const Scene& scene, const Camera& camera, const PictureOptions& options, const Job& job);
 
+// The colour of linear light in a picture taken without noise.
+Rgb developed(const Eigen::Vector3f& light);
+
 // The exact z-depth alone.
 Plane<float> take_depth(const Scene& scene, const Camera& camera, const Job& job);
 
