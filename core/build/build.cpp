@@ -344,7 +344,7 @@ class Build {
   }
 
   void fetch(std::vector<Layer>& layers) {
-    Photographs photographs{frames_, poses_.cameras, poses_.frame_of_camera, {}};
+    Photographs photographs{frames_, poses_.cameras, poses_.frame_of_camera, {}, noise_range(upright_, {})};
     for (size_t i = 0; i < upright_.size(); ++i) {
       photographs.gains.push_back(upright_[i].gain);
       report_.gains[poses_.cameras[i].name] = upright_[i].gain;

@@ -44,6 +44,17 @@ struct Middle {
 
 }  // namespace
 
+int noise_range(const std::vector<UprightFrame>& frames, const ColourOptions& options) {
+  constexpr int kLeast = 3;
+  std::vector<float> noise;
+  for (const UprightFrame& frame : frames) noise.push_back(frame.noise);
+  if (noise.empty()) return 0;
+  const auto middle = noise.begin() + static_cast<std::ptrdiff_t>(noise.size() / 2);
+  std::nth_element(noise.begin(), middle, noise.end());
+  const int range = static_cast<int>(options.noise_range * *middle);
+  return range < kLeast ? 0 : range;
+}
+
 SourceCandidates::SourceCandidates(const PanoramaGrid& grid, const DisparityMap& layer,
                                    const std::vector<UprightFrame>& frames,
                                    const std::vector<VisibilityMap>& visibility, const ColourOptions& options)

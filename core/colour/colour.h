@@ -4,8 +4,9 @@
 // the candidates that the cut chooses from, and colours.
 // How: a candidate sees the voxel; it costs the angle between the panorama's ray and the camera's, more where the
 // sample may be mixed with a nearer object's edge, and more where it differs from what most of them see. Colours are
-// read from the photograph itself (one resampling), one photograph in memory at a time; what steps remain between
-// photographs are spread over the surfaces on both sides. Does not solve for the choice (solve.h).
+// read from the photograph itself (one resampling), few photographs in memory at a time; noisy ones are averaged
+// with those taken beside them, as far as noise explains their difference; what steps remain between photographs are
+// spread over the surfaces on both sides. Does not solve for the choice (solve.h).
 #pragma once
 
 #include <array>
@@ -32,9 +33,14 @@ struct ColourOptions {
   double disagree_deg = 2.5;  // what each level beyond noise costs by which a sample differs from the median, of
                               // three candidates or more
   int seam_cell_px = 16;      // seams are spread in cells of this size
+  double noise_range = 6;     // samples of one surface differ by at most so many deviations of the photographs' noise
   bool guess_hidden = false;  // a pixel that every camera has hidden takes what lies in front of it
   bool even_seams = true;
 };
+
+// Levels by which noise lets samples of one surface differ from photograph to photograph; 0 where it is so little that
+// one photograph is as good as several.
+int noise_range(const std::vector<UprightFrame>& frames, const ColourOptions& options);
 
 // The frames that see each pixel of one layer (paper equation 7). What is referred to and not empty must outlive it.
 class SourceCandidates final : public ColourCosts {
@@ -82,6 +88,7 @@ struct Photographs {
   const std::vector<Camera>& cameras;
   const std::vector<int>& frame_of_camera;
   std::vector<std::array<float, 3>> gains;  // per camera
+  int noise_range = 0;                      // see noise_range(); 0 = each pixel is taken from one photograph alone
 };
 
 // One layer's choice of photographs (kNoSource = none) and where its colours go.

@@ -28,6 +28,64 @@ Rgb stored(const Colour& c) {
   return {channel(c[0]), channel(c[1]), channel(c[2])};
 }
 
+// The photographs around the one that is taken from, in memory.
+class OpenPhotographs {
+ public:
+  OpenPhotographs(const PanoramaGrid& grid, const Photographs& photographs)
+      : grid_(grid), photographs_(photographs), open_(photographs.cameras.size()) {}
+
+  void load(int index) {
+    const auto i = static_cast<size_t>(index);
+    open_[i].emplace(Open{photographs_.frames.load(photographs_.frame_of_camera[i]),
+                          PhotoSampler(grid_, photographs_.cameras[i], photographs_.gains[i])});
+  }
+  void close(int index) {
+    if (index >= 0) open_[static_cast<size_t>(index)].reset();
+  }
+
+  Colour sample(int index, int x, int y, double w) const {
+    const Open& open = *open_[static_cast<size_t>(index)];
+    return open.sampler.sample(open.picture, x, y, w);
+  }
+
+  // The mean of a sample of photograph `index` and of what those around it show there, where noise alone tells them
+  // apart. (Another surface that looks the same does no harm.)
+  Colour mean(const Colour& own, int index, int x, int y, double w) const {
+    Colour sum = own;
+    int count = 1;
+    for (int other = std::max(0, index - reach()); other <= std::min(last(), index + reach()); ++other) {
+      if (other == index) continue;
+      const Open& open = *open_[static_cast<size_t>(other)];
+      const std::optional<Colour> c = open.sampler.sample_if_inside(open.picture, x, y, w);
+      if (!c || !is_noise(*c, own)) continue;
+      for (size_t k = 0; k < sum.size(); ++k) sum[k] += (*c)[k];
+      ++count;
+    }
+    for (int& channel : sum) channel = (channel + count / 2) / count;
+    return sum;
+  }
+
+  int reach() const { return photographs_.noise_range > 0 ? kReach : 0; }
+
+ private:
+  struct Open {
+    RgbImage picture;
+    PhotoSampler sampler;
+  };
+
+  static constexpr int kReach = 2;  // photographs on either side that are averaged with one
+  int last() const { return static_cast<int>(open_.size()) - 1; }
+
+  bool is_noise(const Colour& a, const Colour& b) const {
+    const int most = photographs_.noise_range * kColourSteps;
+    return std::abs(a[0] - b[0]) <= most && std::abs(a[1] - b[1]) <= most && std::abs(a[2] - b[2]) <= most;
+  }
+
+  const PanoramaGrid& grid_;
+  const Photographs& photographs_;
+  std::vector<std::optional<Open>> open_;  // one per camera
+};
+
 class LayerFetch {
  public:
   LayerFetch(const PanoramaGrid& grid, const ColourTask& task) : grid_(grid), task_(task) {
@@ -35,16 +93,18 @@ class LayerFetch {
     find_spans();
   }
 
-  void fetch_row(const PhotoSampler& sampler, const RgbImage& photo, uint8_t index, int y) {
+  // What is taken from photograph `index`.
+  void fetch_row(const OpenPhotographs& open, uint8_t index, int y) {
     const uint8_t* source = task_.source->row(y);
     const uint16_t* disparity = task_.disparity->row(y);
     for (int x = spans_[index].begin; x < spans_[index].end; ++x) {
       if (source[x] == kNoSource) continue;
       const bool own = source[x] == index;
       if (!own && !borders(x, y, index)) continue;
-      const Colour c = sampler.sample(photo, x, y, grid_.inverse_depth(disparity[x]));
+      const double w = grid_.inverse_depth(disparity[x]);
+      const Colour c = open.sample(index, x, y, w);
       if (own)
-        task_.colour->at(x, y) = stored(c);
+        task_.colour->at(x, y) = stored(open.mean(c, index, x, y, w));
       else
         seams_of_row_[static_cast<size_t>(y)].push_back({x, y, source[x], index, c});
     }
@@ -105,23 +165,22 @@ void fetch_colours(const PanoramaGrid& grid, const Photographs& photographs, con
                    const ColourOptions& options, const Job& job) {
   std::vector<LayerFetch> layers;
   for (const ColourTask& task : tasks) layers.emplace_back(grid, task);
-  const size_t cameras = photographs.cameras.size();
+  const int cameras = static_cast<int>(photographs.cameras.size());
   const int strips = (grid.height + kRowsAtOnce - 1) / kRowsAtOnce;
-  RgbImage photo, next;
-  for (size_t i = 0; i <= cameras; ++i) {  // reads photograph i while colours are taken from the one before
-    job.report("colour", static_cast<double>(i) / static_cast<double>(cameras + 1));
-    const auto index = static_cast<uint8_t>(i - 1);
-    std::optional<PhotoSampler> sampler;
-    if (i > 0) sampler.emplace(grid, photographs.cameras[i - 1], photographs.gains[i - 1]);
-    parallel_for(job, i > 0 ? 1 + strips : 1, [&](int task) {
+  OpenPhotographs open(grid, photographs);
+  const int reach = open.reach();
+  for (int next = 0; next <= cameras + reach; ++next) {  // is read while colours are taken from what was read before
+    job.report("colour", static_cast<double>(next) / (cameras + reach + 1));
+    const int index = next - reach - 1;
+    open.close(index - reach - 1);
+    parallel_for(job, index >= 0 ? 1 + strips : 1, [&](int task) {
       if (task == 0) {
-        if (i < cameras) next = photographs.frames.load(photographs.frame_of_camera[i]);
+        if (next < cameras) open.load(next);
         return;
       }
       for (int y = (task - 1) * kRowsAtOnce; y < std::min(grid.height, task * kRowsAtOnce); ++y)
-        for (LayerFetch& layer : layers) layer.fetch_row(*sampler, photo, index, y);
+        for (LayerFetch& layer : layers) layer.fetch_row(open, static_cast<uint8_t>(index), y);
     });
-    std::swap(photo, next);
   }
   if (!options.even_seams) return;
   std::vector<SeamSample> samples;

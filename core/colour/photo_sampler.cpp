@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kSubpixels = 64;
 constexpr int kWeightSum = 1024;
+constexpr double kLeastForward = 0.1;  // forward * w of a voxel worth projecting
 
 using Weights = std::array<int, 4>;
 
@@ -65,14 +66,14 @@ PhotoSampler::PhotoSampler(const PanoramaGrid& grid, const Camera& camera, const
   for (int i = 0; i < grid.width * taps_; ++i) headings_.push_back(heading(grid.theta((i + 0.5) / taps_)));
 }
 
-Eigen::Vector2d PhotoSampler::position(Heading u, double v, double w) const {
+Eigen::Vector3d PhotoSampler::in_camera_axes(Heading u, double v, double w) const {
   const double reach = grid_.ray_radius() * w + 1;
   const double px = reach * u.cos, py = reach * u.sin;
-  std::array<double, 3> q;
+  Eigen::Vector3d q;
   for (size_t i = 0; i < 3; ++i)
-    q[i] = w * offset_[i] + camera_from_arc_[3 * i] * px + camera_from_arc_[3 * i + 1] * py +
-           camera_from_arc_[3 * i + 2] * v;
-  return project(intrinsics_, Eigen::Vector3d(q[0], q[1], q[2]));
+    q[static_cast<Eigen::Index>(i)] = w * offset_[i] + camera_from_arc_[3 * i] * px + camera_from_arc_[3 * i + 1] * py +
+                                      camera_from_arc_[3 * i + 2] * v;
+  return q;
 }
 
 Colour PhotoSampler::sample(const RgbImage& photo, int x, int y, double w) const {
@@ -80,10 +81,22 @@ Colour PhotoSampler::sample(const RgbImage& photo, int x, int y, double w) const
   for (int j = 0; j < taps_; ++j)
     for (int i = 0; i < taps_; ++i) {
       const Heading u = headings_[static_cast<size_t>(x * taps_ + i)];
-      const Colour c = interpolate(photo, position(u, grid_.v(y + (j + 0.5) / taps_), w));
+      const Colour c = interpolate(photo, project(intrinsics_, in_camera_axes(u, grid_.v(y + (j + 0.5) / taps_), w)));
       for (size_t k = 0; k < 3; ++k) sum[k] += c[k];
     }
-  const int count = taps_ * taps_;
+  return mean(sum, taps_ * taps_);
+}
+
+std::optional<Colour> PhotoSampler::sample_if_inside(const RgbImage& photo, int x, int y, double w) const {
+  const Heading u = headings_[static_cast<size_t>(x * taps_ + taps_ / 2)];
+  const Eigen::Vector3d q = in_camera_axes(u, grid_.v(y + 0.5), w);
+  if (q.z() < kLeastForward) return {};
+  const Eigen::Vector2d p = project(intrinsics_, q);
+  if (!(p.x() >= 0.5 && p.y() >= 0.5 && p.x() < photo.width - 0.5 && p.y() < photo.height - 0.5)) return {};
+  return taps_ == 1 ? mean(interpolate(photo, p), 1) : sample(photo, x, y, w);
+}
+
+Colour PhotoSampler::mean(const Colour& sum, int count) const {
   Colour colour{};
   for (size_t k = 0; k < 3; ++k) colour[k] = static_cast<int>(int64_t{sum[k]} * gain_[k] / (int64_t{4096} * count));
   return colour;

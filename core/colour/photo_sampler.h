@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "geometry.h"
@@ -23,8 +24,12 @@ class PhotoSampler {
   // Of pixel (x, y) at inverse depth w. The voxel must lie in front of the camera.
   Colour sample(const RgbImage& photo, int x, int y, double w) const;
 
+  // Of one whose middle may lie behind the camera or outside its picture: nothing then.
+  std::optional<Colour> sample_if_inside(const RgbImage& photo, int x, int y, double w) const;
+
  private:
-  Eigen::Vector2d position(Heading u, double v, double w) const;
+  Colour mean(const Colour& sum, int count) const;                      // with the photograph's gain
+  Eigen::Vector3d in_camera_axes(Heading u, double v, double w) const;  // the voxel times w
 
   const PanoramaGrid& grid_;
   Intrinsics intrinsics_;

@@ -33,6 +33,7 @@ struct UprightFrame {
   GreyImage columns, tint;
   std::vector<int16_t> valid_begin, valid_end;
   std::array<float, 3> gain = {1, 1, 1};  // multiplies R, G, B of this photograph to match the others
+  float noise = 0;                        // of the photograph's grey from one pixel to the next, deviation in levels
 };
 
 }  // namespace ldp

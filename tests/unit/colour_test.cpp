@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdlib>
 #include <tuple>
+#include <vector>
 
 #include "simple_capture.h"
 
@@ -172,6 +173,52 @@ TEST(FetchColours, AppliesTheGainOfEachChannel) {
   const std::vector<Camera> cameras = {camera_at(0)};
   fetch_colours(grid, {frames, cameras, {0}, {{0.5F, 1.25F, 2}}}, {{&layer, &source, &colour}}, {}, {});
   EXPECT_EQ(colour.at(50, 30), (Rgb{50, 125, 255}));
+}
+
+// A wall that photographs taken one after another show in these levels, where the panorama takes the one at `chosen`.
+Rgb averaged(const std::vector<uint8_t>& levels, uint8_t chosen, int noise_range, double last_theta = 0) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap layer(grid.width, grid.height, 0);
+  const Plane<uint8_t> source(grid.width, grid.height, chosen);
+  RgbImage colour(grid.width, grid.height);
+  std::vector<RgbImage> photos;
+  std::vector<Camera> cameras;
+  std::vector<int> frame_of_camera;
+  for (const uint8_t level : levels) {
+    photos.emplace_back(140, 80, Rgb{level, 50, 60});
+    frame_of_camera.push_back(static_cast<int>(cameras.size()));
+    cameras.push_back(camera_at(0.01 * static_cast<double>(cameras.size())));
+  }
+  if (last_theta > 0) cameras.back() = camera_at(last_theta);
+  const std::vector<std::array<float, 3>> gains(cameras.size(), {1, 1, 1});
+  fetch_colours(grid, {FramesInMemory(photos), cameras, frame_of_camera, gains, noise_range},
+                {{&layer, &source, &colour}}, {}, {});
+  return colour.at(50, 30);
+}
+
+TEST(FetchColours, NoisyPhotographsAreAveragedWithThoseTakenBesideThem) {
+  EXPECT_EQ(averaged({100, 104, 105}, 1, 5), (Rgb{103, 50, 60}));
+  EXPECT_EQ(averaged({100, 104, 105}, 1, 0), (Rgb{104, 50, 60}));
+}
+
+TEST(FetchColours, WhatNoiseDoesNotExplainIsAnotherSurface) {
+  EXPECT_EQ(averaged({100, 104, 140}, 1, 5), (Rgb{102, 50, 60}));
+}
+
+TEST(FetchColours, PhotographsTakenLongBeforeOrElsewhereAreNoCompanions) {
+  EXPECT_EQ(averaged({104, 100, 100, 100}, 3, 5), (Rgb{100, 50, 60}));
+  EXPECT_EQ(averaged({100, 104}, 0, 5, 2.5), (Rgb{100, 50, 60}));
+}
+
+TEST(NoiseRange, FollowsThePhotographInTheMiddleAndIsNoneForCleanOnes) {
+  std::vector<UprightFrame> frames(3);
+  frames[0].noise = 2, frames[1].noise = 40, frames[2].noise = 3;
+  ColourOptions options;
+  options.noise_range = 5;
+  EXPECT_EQ(noise_range(frames, options), 15);
+  for (UprightFrame& frame : frames) frame.noise = 0.5F;
+  EXPECT_EQ(noise_range(frames, options), 0);
+  EXPECT_EQ(noise_range({}, options), 0);
 }
 
 // Two photographs of one grey wall, the second brighter, meet in the middle of the panorama.
