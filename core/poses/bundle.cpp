@@ -21,8 +21,6 @@ constexpr int kShares = 8;              // of the points, each added up by one t
 constexpr int kLens = 3;                // its parameters: log focal, k1, k2
 constexpr double kFirstRadius = 1e4;    // of the region in which steps are trusted
 constexpr double kLeastRadius = 1e-20;  // below, no step helps
-constexpr double kFarther = 1.2;        // of what a step promised: then twice the step may be better, because the loss
-                                        // gives way to what the step brings nearer
 constexpr double kLeastGain = 1e-3;     // of what a step promised, to be taken
 constexpr double kLeastDamped = 1e-6;   // diagonal of the scaled normal matrix that is damped at least
 
@@ -62,15 +60,8 @@ class Adjustment {
       const System system = linearise(1 / radius);
       const Eigen::VectorXd change = step(system);
       State tried = state_;
-      const double promised = move(change, 1, tried) + promise(change, system, 1 / radius);
-      double after = cost_of(tried);
-      if (cost - after > kFarther * promised) {
-        State farther = state_;
-        move(change, 2, farther);
-        const double there = cost_of(farther);
-        if (there < after) tried = std::move(farther), after = there;
-      }
-      const double gain = cost - after;
+      const double promised = move(change, tried) + promise(change, system, 1 / radius);
+      const double after = cost_of(tried), gain = cost - after;
       const bool settled = std::abs(gain) <= options_.settled * cost;
       if (std::isfinite(after) && gain > (settled ? 0 : kLeastGain * promised)) {
         state_ = std::move(tried);
@@ -323,42 +314,41 @@ class Adjustment {
     return 0.5 * sum;
   }
 
-  // So many steps; gives what that of the points promises.
-  double move(const Eigen::VectorXd& change, double steps, State& tried) const {
+  // Gives what the step of the points promises.
+  double move(const Eigen::VectorXd& change, State& tried) const {
     const Eigen::Index lens = size_ - kLens;
     for (size_t c = 0; c < tried.cameras.size(); ++c) {
       const Eigen::Index at = kCamera * static_cast<Eigen::Index>(c);
-      const Eigen::Vector3d turn = steps * change.template segment<3>(at);
+      const Eigen::Vector3d turn = change.template segment<3>(at);
       if (turn.norm() > 0) {
         const Eigen::Quaterniond q(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
         tried.turns[c] = (q * tried.turns[c]).normalized();
       }
       tried.cameras[c].camera_from_world = tried.turns[c].toRotationMatrix();
-      if constexpr (kModel == Model::free) tried.cameras[c].centre += steps * change.template segment<3>(at + 3);
+      if constexpr (kModel == Model::free) tried.cameras[c].centre += change.template segment<3>(at + 3);
     }
-    tried.lens.log_focal += steps * change[lens];
-    tried.lens.k1 += steps * change[lens + 1], tried.lens.k2 += steps * change[lens + 2];
+    tried.lens.log_focal += change[lens];
+    tried.lens.k1 += change[lens + 1], tried.lens.k2 += change[lens + 2];
     tried.lens.focal_px = std::exp(std::min(tried.lens.log_focal, kLongestLog));
     std::array<double, kShares> promises{};
     parallel_for(job_, kShares, [&](int i) {
       const auto [begin, end] = share(i);
-      for (size_t p = begin; p < end; ++p)
-        promises[static_cast<size_t>(i)] += move_point(p, change, steps, tried.points[p]);
+      for (size_t p = begin; p < end; ++p) promises[static_cast<size_t>(i)] += move_point(p, change, tried.points[p]);
     });
     return 0.5 * std::accumulate(promises.begin(), promises.end(), 0.0);
   }
 
-  double move_point(size_t p, const Eigen::VectorXd& change, double steps, InversePoint& point) const {
+  double move_point(size_t p, const Eigen::VectorXd& change, InversePoint& point) const {
     const Eliminated& rest = eliminated_[p];
     PointVector left = rest.gradient + rest.by_lens.transpose() * change.template tail<kLens>();
     for (size_t o = first_[p]; o < first_[p + 1]; ++o)
       left += camera_by_point_[o].transpose() * change.template segment<kCamera>(kCamera * seen_[o].camera);
-    const PointVector step = -rest.inverse * left, moved = steps * step;
+    const PointVector moved = -rest.inverse * left;
     const Eigen::Vector3d m = point.direction + moved[0] * rest.e1 + moved[1] * rest.e2;
     double w = kPoint == 3 ? point.inverse_distance + moved[kPoint - 1] : 0;
     if (options_.in_front) w = std::max(w, 0.0);
     point = {m.normalized(), w / m.norm()};
-    return step.dot(rest.damping.cwiseProduct(step) - rest.gradient);
+    return moved.dot(rest.damping.cwiseProduct(moved) - rest.gradient);
   }
 
   Bundle& bundle_;
