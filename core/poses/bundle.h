@@ -1,12 +1,9 @@
-// Bundle adjustment of a sweep: rotations, centres, one lens for all frames, points of inverse distance.
+// Bundle adjustment (Ceres) of a sweep: rotations, centres, one lens for all frames, points of inverse distance.
 //
 // Three models. `rotation`: every point at infinity. `spherical`: a camera's centre is its own forward axis (radius 1).
 // `free`: centres are drawn to that place only weakly, so that the prior decides what the pictures leave open (scale,
-// place, the depth of far scenery) and nothing else.
-//
-// How: Levenberg and Marquardt's method; points are eliminated from the normal equations, which leaves a dense system of
-// cameras and lens. Points are dealt out into a fixed number of shares, each added up in order by one thread, and the
-// shares are added in order: the same input gives the same bytes on any number of threads.
+// place, the depth of far scenery) and nothing else. Single-threaded and in fixed order: the same input gives the same
+// bytes.
 #pragma once
 
 #include <Eigen/Core>

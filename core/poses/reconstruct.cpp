@@ -38,7 +38,7 @@ constexpr double kLossOfTolerance = 0.3, kLargestLoss = 0.8;  // pixels of 800
 constexpr double kFollowedLoss = 0.7;  // of that, on followed points: most are far better than the few that are not
 constexpr size_t kRich = 1000;         // observations per frame that make a second look for matches needless
 constexpr int kThin = 250;             // and those that do for the first rounds, the longest tracks first
-constexpr int kWanted = 1000;          // and followed ones for which features that matched nothing are followed too
+constexpr int kWanted = 400;          // and followed ones for which features that matched nothing are followed too
 constexpr int kHeld = 150;             // followed observations that a frame is content with
 constexpr double kMatchedPairs = 0.2, kFollowedPairs = 0.05;  // weights of points that two photos see, in the rounds
                                                               // before the last: some move, and two photos of what

@@ -402,7 +402,8 @@ TEST(Adjust, KeepsPointsThisSideOfInfinityWhereAsked) {
     options.in_front = in_front;
     EXPECT_TRUE(adjust(bundle, options, Job{}).usable);
     double least = 0;
-    for (const InversePoint& point : bundle.points) least = std::min(least, point.inverse_distance);
+    for (const BundleObservation& o : bundle.observations)
+      least = std::min(least, bundle.points[static_cast<size_t>(o.point)].inverse_distance);
     return least;
   };
   EXPECT_EQ(farthest(true), 0);
