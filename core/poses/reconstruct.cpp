@@ -14,7 +14,6 @@
 #include "lens_bends.h"
 #include "loners.h"
 #include "motion.h"
-#include "unmatched.h"
 
 namespace ldp {
 namespace {
@@ -38,7 +37,6 @@ constexpr double kLossOfTolerance = 0.3, kLargestLoss = 0.8;  // pixels of 800
 constexpr double kFollowedLoss = 0.7;  // of that, on followed points: most are far better than the few that are not
 constexpr size_t kRich = 1000;         // observations per frame that make a second look for matches needless
 constexpr int kThin = 250;             // and those that do for the first rounds, the longest tracks first
-constexpr int kWanted = 400;          // and followed ones for which features that matched nothing are followed too
 constexpr int kHeld = 150;             // followed observations that a frame is content with
 constexpr double kMatchedPairs = 0.2, kFollowedPairs = 0.05;  // weights of points that two photos see, in the rounds
                                                               // before the last: some move, and two photos of what
@@ -197,21 +195,15 @@ size_t observations(const std::vector<Track>& tracks) {
                          [](size_t sum, const Track& t) { return sum + t.size(); });
 }
 
-// The reconstruction's tracks followed through all frames, and features of which nobody knows yet. Tracks that cannot
-// be followed stay as matched where a frame has little else.
+// The reconstruction's tracks followed through all frames. Those that cannot be followed stay as matched where a frame
+// has little else.
 std::vector<Track> follow(const MatchedSweep& sweep, const Reconstruction& r, const Job& job) {
-  std::vector<Track> sought = r.tracks;
-  Bundle bundle = r.bundle;
-  const Guesses guesses = unmatched(sweep, r.tracks, r.bundle, kWanted);
-  sought.insert(sought.end(), guesses.tracks.begin(), guesses.tracks.end());
-  bundle.points.insert(bundle.points.end(), guesses.points.begin(), guesses.points.end());
-  std::vector<Track> tracks = follow_points(sweep.pictures, sought, bundle, FollowOptions{}, job);
-  empty_repeated(sweep, r.tracks.size(), tracks);
+  std::vector<Track> tracks = follow_points(sweep.pictures, r.tracks, r.bundle, FollowOptions{}, job);
   std::vector<int> held(r.dropped.size(), 0);
   for (const Track& track : tracks) {
     for (const Observation& o : track) held[static_cast<size_t>(o.frame)] += track.size() > 1 ? 1 : 0;
   }
-  for (size_t i = 0; i < r.tracks.size(); ++i) {
+  for (size_t i = 0; i < tracks.size(); ++i) {
     const auto poor = [&](const Observation& o) { return held[static_cast<size_t>(o.frame)] < kHeld; };
     if (tracks[i].size() < 2 && std::any_of(r.tracks[i].begin(), r.tracks[i].end(), poor)) tracks[i] = r.tracks[i];
   }

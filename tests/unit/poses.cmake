@@ -1,3 +1,2 @@
 ldp_test(poses_test SOURCES poses_test.cpp NATIVE_ONLY EstimatePoses.*:PoseEstimator.*:Triangulate.* USES ldp_poses ldp_sim_scene)
 ldp_test(follow_test SOURCES follow_test.cpp USES ldp_poses)
-ldp_test(unmatched_test SOURCES unmatched_test.cpp USES ldp_poses)
