@@ -59,6 +59,14 @@ void check_output_file(const fs::path& file) {
   check_folder_takes_files(without_trailing_slash(file).parent_path(), file);
 }
 
+void check_output_file(const fs::path& file, const std::string& extension) {
+  check_output_file(file);
+  std::error_code error;
+  if (fs::is_regular_file(file, error) && file.extension() != extension)
+    throw BadInput(file.string() + ": exists and is no " + extension +
+                   " file: choose another name, or remove it first");
+}
+
 void write_output(const fs::path& file, std::span<const uint8_t> bytes) {
   const Finishing finishing;
   write_file(file, bytes);

@@ -17,6 +17,9 @@ void check_input_file(const std::filesystem::path& file);
 // Throws BadInput when `file` could not be written: its folder is missing or read-only, or it is a folder itself.
 void check_output_file(const std::filesystem::path& file);
 
+// And when it exists and is not named like one of its kind (".ldp"): a photo, say, that a slip of the hand would replace.
+void check_output_file(const std::filesystem::path& file, const std::string& extension);
+
 // Whole files, atomic, not cut off by Ctrl-C.
 void write_output(const std::filesystem::path& file, std::span<const uint8_t> bytes);
 void write_text(const std::filesystem::path& file, const std::string& text);

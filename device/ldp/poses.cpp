@@ -81,7 +81,7 @@ void print_table(const PosesReport& report) {
 }
 
 int run(const PosesCommand& command, const Session& session) {
-  if (!command.output.empty()) check_output_file(command.output);
+  if (!command.output.empty()) check_output_file(command.output, ".json");
   const PreparedBuild prepared = prepare(command.setup);
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);

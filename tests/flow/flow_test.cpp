@@ -287,6 +287,16 @@ TEST_F(Flow, RefusesAnOutputThatCannotBeWrittenBeforeTheWorkBegins) {
   expect_refusal({"build", path("photos"), "-o", path("locked/a.ldp")}, 2, "cannot be written", through);
 }
 
+TEST_F(Flow, NeverWritesOverAFileOfAnotherKind) {
+  photo("kept/a.jpg");
+  const std::string taken = path("kept/a.jpg"), before = text_of(taken);
+  expect_refusal({"build", path("kept"), "-o", taken}, 2, "exists and is no .ldp file");
+  expect_refusal({"build", path("kept"), "-o", path("a.ldp"), "--report", taken}, 2, "exists and is no .json file");
+  expect_refusal({"poses", path("kept"), "-o", taken}, 2, "exists and is no .json file");
+  expect_refusal({"build", path("kept"), "-o", path("a.ldp"), "--report", path("a.ldp")}, 2, "choose two names");
+  EXPECT_EQ(text_of(taken), before);
+}
+
 TEST_F(Flow, LittleMemoryMakesACoarserPanoramaAndTooLittleIsRefused) {
   const std::string from = capture();
   expect_refusal({"build", from, "-o", path("a.ldp"), "--cameras", from + "/transforms.json", "--memory", "1M"}, 1,
