@@ -118,11 +118,15 @@ std::vector<Camera> camera_path(const LayeredPanorama& panorama, const CameraPat
         cameras.push_back(dolly(panorama.limits, stage, phase));
         break;
     }
-    char name[32];
-    std::snprintf(name, sizeof name, "frame_%03d", i);
-    cameras.back().name = name;
+    cameras.back().name = path_view_name(i);
   }
   return cameras;
+}
+
+std::string path_view_name(int index) {
+  char name[32];
+  std::snprintf(name, sizeof name, "frame_%03d", index);
+  return name;
 }
 
 CameraPath camera_path_from_name(std::string_view name) {

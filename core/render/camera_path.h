@@ -27,6 +27,9 @@ struct CameraPathOptions {
 
 std::vector<Camera> camera_path(const LayeredPanorama& panorama, const CameraPathOptions& options);
 
+// Of each of its views: "frame_007".
+std::string path_view_name(int index);
+
 // "sway", "walk" or "dolly"; throws std::runtime_error naming them otherwise.
 CameraPath camera_path_from_name(std::string_view name);
 

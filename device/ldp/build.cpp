@@ -36,7 +36,8 @@ BuildResult build_with_pictures(const PreparedBuild& prepared, const std::string
   BuildOptions options = prepared.options;
   options.debug_directory = folder.path().string();
   try {
-    BuildResult result = build(prepared.frames, options, job, std::move(begun));
+    BuildResult result;
+    folder.fill([&] { result = build(prepared.frames, options, job, std::move(begun)); });
     folder.keep();
     return result;
   } catch (const Cancelled&) {

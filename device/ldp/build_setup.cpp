@@ -1,7 +1,7 @@
 #include "build_setup.h"
 
+#include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "output.h"
@@ -13,9 +13,17 @@ namespace {
 
 constexpr int kFewestPhotos = 3;
 
-const std::map<std::string, Rays>& rays_by_name() {
-  static const std::map<std::string, Rays> names{{"pushbroom", Rays::pushbroom}, {"central", Rays::central}};
-  return names;
+// Bytes, with a unit where one follows.
+std::string read_memory_size(std::string& text) {
+  const size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
+  const std::string refusal = "'" + text + "' is not a size such as 128M or 1G, nor 0 for full detail";
+  if (digits == 0 || text.find_first_of("-+. \t0123456789", digits) != std::string::npos) return refusal;
+  try {
+    CLI::AsSizeValue(false)(text);
+    return {};
+  } catch (const CLI::ValidationError&) {
+    return refusal;
+  }
 }
 
 }  // namespace
@@ -42,8 +50,12 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
   command.add_option("--iterations", build.iterations, "Rounds; from the second on with visibility")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
-  command.add_option("--rays", build.rays, "pushbroom or central")
-      ->transform(CLI::CheckedTransformer(rays_by_name()))
+  command
+      .add_option_function<std::string>(
+          "--rays",
+          [&build](const std::string& name) { build.rays = name == "central" ? Rays::central : Rays::pushbroom; },
+          "Directions of the panorama's rays: outward from the arc, or all from its centre")
+      ->check(CLI::IsMember({"pushbroom", "central"}))
       ->default_str("pushbroom");
   command.add_option("--block", build.block_px, "Pixels per side of a block of depth codes; 0 = one range for all")
       ->check(CLI::Range(0, 256))
@@ -59,7 +71,7 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
           "--memory", build.memory_bytes,
           "Memory to work in, such as 128M, if need be by a coarser panorama; 0 = full detail, large arrays beyond "
           "128M in files without names beside the output")
-      ->transform(CLI::AsSizeValue(false))
+      ->transform(CLI::Validator(read_memory_size, "SIZE"))
       ->default_str("0");
 }
 

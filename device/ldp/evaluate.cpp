@@ -196,8 +196,16 @@ int run(const EvaluateCommand& command, const Session& session) {
   const BuildResult result = build(SomeFrames(prepared.frames, parts.kept_frames), options, job);
   const Evaluation evaluation(prepared, parts, result, job);
   std::vector<Row> rows;
-  for (size_t i = 0; i < parts.tests.size(); ++i) rows.push_back(evaluation.judge(i, keep ? keep->path() : fs::path()));
-  if (keep) keep->keep();
+  const auto judge_all = [&] {
+    for (size_t i = 0; i < parts.tests.size(); ++i)
+      rows.push_back(evaluation.judge(i, keep ? keep->path() : fs::path()));
+  };
+  if (keep) {
+    keep->fill(judge_all);
+    keep->keep();
+  } else {
+    judge_all();
+  }
   bar.reset();
   print(rows, result.report, session.json);
   return kDone;

@@ -20,6 +20,14 @@ struct ExportCommand {
   ExportOptions options;
 };
 
+std::string size_text(size_t bytes) {
+  char text[32];
+  const double kilobytes = static_cast<double>(bytes) / 1e3;
+  std::snprintf(text, sizeof text, kilobytes < 1000 ? "%.1f kB" : "%.1f MB",
+                kilobytes < 1000 ? kilobytes : kilobytes / 1e3);
+  return text;
+}
+
 int run(const ExportCommand& command, const Session& session) {
   try {
     check_export_name(command.output);
@@ -34,7 +42,7 @@ int run(const ExportCommand& command, const Session& session) {
   job.check();
   write_file(command.output, exported);
   bar.reset();
-  if (!session.json) std::printf("%s: %.1f MB\n", command.output.c_str(), static_cast<double>(exported.size()) / 1e6);
+  if (!session.json) std::printf("%s: %s\n", command.output.c_str(), size_text(exported.size()).c_str());
   return kDone;
 }
 

@@ -2,9 +2,11 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <string>
@@ -12,6 +14,8 @@
 #include <vector>
 
 #include "interrupt.h"
+#include "job.h"
+#include "output.h"
 #include "session.h"
 
 extern char** environ;
@@ -36,13 +40,18 @@ std::vector<std::string> command_line(const std::filesystem::path& output, int w
                                     "-i",
                                     "pipe:0"};
   // Players want 4:2:0, which needs even sides.
-  if (output.extension() != ".gif")
+  if (extension_of(output) != ".gif")
     words.insert(words.end(), {"-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2", "-pix_fmt", "yuv420p"});
   words.push_back(output.string());
   return words;
 }
 
 }  // namespace
+
+bool names_a_film(const std::filesystem::path& file) {
+  const std::string extension = extension_of(file);
+  return extension == ".mp4" || extension == ".webm" || extension == ".gif";
+}
 
 Film::Film(const std::filesystem::path& file, int width, int height) : file_(file) {
   std::string name = ".";
@@ -52,10 +61,12 @@ Film::Film(const std::filesystem::path& file, int width, int height) : file_(fil
   if (::pipe2(ends, O_CLOEXEC) != 0)
     throw std::system_error(errno, std::generic_category(), "opening a pipe to ffmpeg");
   pipe_ = ends[1];
+  errors_ = ::memfd_create("ffmpeg", MFD_CLOEXEC);
   ::signal(SIGPIPE, SIG_IGN);  // an ffmpeg that ends early is reported by its exit status
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
+  if (errors_ >= 0) ::posix_spawn_file_actions_adddup2(&actions, errors_, STDERR_FILENO);
   std::vector<std::string> words = command_line(partial_, width, height);
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -66,11 +77,13 @@ Film::Film(const std::filesystem::path& file, int width, int height) : file_(fil
   ::close(ends[0]);
   if (error == 0) return;
   ::close(pipe_);
+  ::close(errors_);
   throw BadInput(file.string() + ": films need ffmpeg, which could not be started: install it, or give a folder to -o");
 }
 
 Film::~Film() {
   close_and_wait();
+  ::close(errors_);
   std::error_code ignored;
   if (!partial_.empty()) std::filesystem::remove(partial_, ignored);
 }
@@ -82,7 +95,10 @@ void Film::add(const RgbImage& picture) {
   while (left > 0) {
     const ssize_t written = ::write(pipe_, bytes, left);
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) throw std::runtime_error(file_.string() + ": ffmpeg ended early: see its message above");
+    if (written <= 0) {
+      close_and_wait();
+      fail();
+    }
     bytes += written;
     left -= static_cast<size_t>(written);
   }
@@ -97,8 +113,18 @@ int Film::close_and_wait() {
   return status;
 }
 
+// By the first line that ffmpeg said, which gives the cause, with the film's own name.
+void Film::fail() const {
+  std::string said(1000, '\0');
+  said.resize(static_cast<size_t>(std::max<ssize_t>(::pread(errors_, said.data(), said.size(), 0), 0)));
+  said.resize(std::min(said.find('\n'), said.size()));
+  const std::string partial = partial_.string();
+  if (const size_t at = said.find(partial); at != std::string::npos) said.replace(at, partial.size(), file_.string());
+  throw Impossible(file_.string() + ": ffmpeg failed" + (said.empty() ? "" : ": " + said));
+}
+
 void Film::keep() {
-  if (close_and_wait() != 0) throw std::runtime_error(file_.string() + ": ffmpeg failed: see its message above");
+  if (close_and_wait() != 0) fail();
   std::filesystem::rename(partial_, file_);
   partial_.clear();
 }

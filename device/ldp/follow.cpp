@@ -18,7 +18,7 @@ class Lines {
  public:
   explicit Lines(int fd) : fd_(fd) {}
 
-  // All that wait, at least one.
+  // All that wait, at least one. Throws Impossible when there will be none.
   std::vector<std::string> next(const Job& job) {
     while (text_.find('\n') == std::string::npos) read_more(job);
     std::vector<std::string> lines;
@@ -36,7 +36,8 @@ class Lines {
     char buffer[4096];
     const ssize_t got = ::read(fd_, buffer, sizeof buffer);
     if (got > 0) text_.append(buffer, static_cast<size_t>(got));
-    if (got == 0 || (got < 0 && errno != EINTR && errno != EAGAIN)) throw Cancelled();
+    if (got == 0 || (got < 0 && errno != EINTR && errno != EAGAIN))
+      throw Impossible("--follow: standard input ended before the line 'end': the sweep broke off, nothing was built");
   }
 
   int fd_;

@@ -2,13 +2,17 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <system_error>
 
 #include "images.h"
 #include "interrupt.h"
+#include "job.h"
 #include "session.h"
 
 namespace ldp {
@@ -32,6 +36,14 @@ void check_folder_takes_files(const fs::path& folder, const fs::path& shown) {
   }
 }
 
+// Of three or four characters with the dot's, a letter among them: .ldp, .mp4 and .webp are; .5 and .views are not.
+bool ends_like_a_file(const fs::path& path) {
+  const std::string extension = extension_of(path);
+  return extension.size() >= 3 && extension.size() <= 5 &&
+         std::all_of(extension.begin() + 1, extension.end(), [](unsigned char c) { return std::isalnum(c) != 0; }) &&
+         std::any_of(extension.begin(), extension.end(), [](unsigned char c) { return std::isalpha(c) != 0; });
+}
+
 void move_tree(const fs::path& from, const fs::path& to) {
   for (const auto& entry : fs::directory_iterator(from)) {
     const fs::path target = to / entry.path().filename();
@@ -43,6 +55,12 @@ void move_tree(const fs::path& from, const fs::path& to) {
 }
 
 }  // namespace
+
+std::string extension_of(const fs::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
 
 void check_input_file(const fs::path& file) {
   std::error_code error;
@@ -62,7 +80,9 @@ void check_output_file(const fs::path& file) {
 void check_output_file(const fs::path& file, const std::string& extension) {
   check_output_file(file);
   std::error_code error;
-  if (fs::is_regular_file(file, error) && file.extension() != extension)
+  if (!fs::exists(file, error) && ends_like_a_file(file) && extension_of(file) != extension)
+    throw BadInput(file.string() + ": is no name of a " + extension + " file, which this writes: end it so");
+  if (fs::is_regular_file(file, error) && extension_of(file) != extension)
     throw BadInput(file.string() + ": exists and is no " + extension +
                    " file: choose another name, or remove it first");
 }
@@ -76,7 +96,8 @@ void write_text(const fs::path& file, const std::string& text) {
   write_output(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 
-OutputFolder::OutputFolder(const fs::path& folder, Existing existing) : final_(without_trailing_slash(folder)) {
+OutputFolder::OutputFolder(const fs::path& folder, Existing existing)
+    : shown_(folder.has_filename() ? folder : folder.parent_path()), final_(without_trailing_slash(folder)) {
   std::error_code error;
   if (fs::exists(final_, error)) {
     if (!fs::is_directory(final_, error)) throw BadInput(folder.string() + ": is a file: give the name of a folder");
@@ -87,6 +108,10 @@ OutputFolder::OutputFolder(const fs::path& folder, Existing existing) : final_(w
     if (existing == Existing::refuse && !fs::is_empty(final_, error)) {
       throw BadInput(folder.string() + ": is there already and not empty: choose another name or remove it");
     }
+  }
+  if (!fs::exists(final_, error) && ends_like_a_file(folder)) {
+    throw BadInput(folder.string() + ": is no kind of file that this can be written to: see --help, or name it " +
+                   folder.string() + "/ if a folder is meant");
   }
   check_folder_takes_files(final_.parent_path(), folder);
   std::string name = ".";
@@ -103,13 +128,27 @@ OutputFolder::~OutputFolder() {
   fs::remove_all(partial_, ignored);
 }
 
+void OutputFolder::fill(const std::function<void()>& write) const {
+  try {
+    write();
+  } catch (const std::system_error& error) {
+    std::string text = error.what();
+    const std::string partial = partial_.string();
+    for (size_t at = 0; (at = text.find(partial, at)) != std::string::npos; at += shown_.string().size())
+      text.replace(at, partial.size(), shown_.string());
+    throw Impossible(text);
+  }
+}
+
 void OutputFolder::keep() {
   const Finishing finishing;
-  std::error_code error;
-  if (!fs::exists(final_, error) || fs::is_empty(final_, error))
-    fs::rename(partial_, final_);
-  else
-    move_tree(partial_, final_);
+  fill([this] {
+    std::error_code error;
+    if (!fs::exists(final_, error) || fs::is_empty(final_, error))
+      fs::rename(partial_, final_);
+    else
+      move_tree(partial_, final_);
+  });
 }
 
 }  // namespace ldp

@@ -60,9 +60,11 @@ void write_colmap(const std::filesystem::path& folder, const Poses& poses,
                   const std::vector<std::array<uint8_t, 3>>& colours) {
   const ColmapText text = colmap_text({poses.cameras, poses.points, poses.sightings, colours});
   OutputFolder out(folder, OutputFolder::Existing::merge);
-  write_text(out.path() / "cameras.txt", text.cameras);
-  write_text(out.path() / "images.txt", text.images);
-  write_text(out.path() / "points3D.txt", text.points);
+  out.fill([&] {
+    write_text(out.path() / "cameras.txt", text.cameras);
+    write_text(out.path() / "images.txt", text.images);
+    write_text(out.path() / "points3D.txt", text.points);
+  });
   out.keep();
 }
 

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -31,11 +30,6 @@ struct RenderCommand {
   RenderOptions options;
 };
 
-bool is_film(const std::string& output) {
-  const std::string ending = fs::path(output).extension().string();
-  return ending == ".mp4" || ending == ".webm" || ending == ".gif";
-}
-
 std::vector<Camera> cameras_of(const RenderCommand& command, const LayeredPanorama& panorama) {
   if (!command.cameras.empty()) return read_transforms(command.cameras);
   CameraPathOptions path;
@@ -56,17 +50,32 @@ void check_stems(const std::vector<Camera>& cameras, const std::string& file) {
   }
 }
 
+constexpr double kBlind = 0.01;  // share of a view that shows something, below which its camera sees nothing
+
 struct Totals {
   double holes = 0, invented = 0;
-  int views = 0;
+  int views = 0, blind = 0;
 };
 
 void add(const View& view, Totals& totals) {
   size_t holes = 0;
   for (const uint8_t alpha : view.alpha.samples) holes += alpha < 128 ? 1 : 0;
-  totals.holes += static_cast<double>(holes) / static_cast<double>(view.alpha.samples.size());
+  const double share = static_cast<double>(holes) / static_cast<double>(view.alpha.samples.size());
+  totals.holes += share;
   totals.invented += view.invented_share;
+  totals.blind += 1 - share - view.invented_share < kBlind ? 1 : 0;
   ++totals.views;
+}
+
+// A path's views are numbered: those that a longer one left would pass for the end of this one.
+void refuse_longer_path(const RenderCommand& command) {
+  const fs::path next = fs::path(command.output) / path_view_name(command.frames);
+  for (const char* ending : {".png", ".pfm"}) {
+    fs::path left = next;
+    left += ending;
+    if (fs::exists(left))
+      throw BadInput(left.string() + ": is left from a longer path: remove the views there, or name another folder");
+  }
 }
 
 Totals render_pictures(const RenderCommand& command, const Renderer& renderer, const std::vector<Camera>& cameras,
@@ -77,8 +86,10 @@ Totals render_pictures(const RenderCommand& command, const Renderer& renderer, c
     job.report("rendering", totals.views / static_cast<double>(cameras.size()));
     const View view = renderer.render(camera, command.options, job);
     const std::string stem = fs::path(camera.name).stem().string();
-    write_file(folder.path() / (stem + ".png"), encode_png(view.colour, view.alpha));
-    if (command.options.depth) write_file(folder.path() / (stem + ".pfm"), encode_pfm(view.depth));
+    folder.fill([&] {
+      write_file(folder.path() / (stem + ".png"), encode_png(view.colour, view.alpha));
+      if (command.options.depth) write_file(folder.path() / (stem + ".pfm"), encode_pfm(view.depth));
+    });
     add(view, totals);
   }
   job.check();
@@ -106,9 +117,29 @@ void check(const RenderCommand& command) {
     throw BadInput("give either --cameras FILE or --path sway|walk|dolly");
   check_input_file(command.panorama);
   if (!command.cameras.empty()) check_input_file(command.cameras);
-  if (is_film(command.output)) {
+  if (names_a_film(command.output)) {
     if (command.options.depth) throw BadInput("--depth: a film has no depth: give a folder to -o");
-    check_output_file(command.output);
+    return check_output_file(command.output);
+  }
+  OutputFolder(command.output, OutputFolder::Existing::merge);  // refused before the file is read
+  if (!command.path.empty()) refuse_longer_path(command);
+}
+
+void print_summary(const RenderCommand& command, const Totals& totals, bool json) {
+  const double holes = 100 * totals.holes / totals.views, invented = 100 * totals.invented / totals.views;
+  if (json) {
+    std::printf("{\"views\": %d, \"holes_percent\": %.4f, \"invented_percent\": %.4f}\n", totals.views, holes,
+                invented);
+  } else {
+    std::printf("%s: %d views, %.2f %% holes", command.output.c_str(), totals.views, holes);
+    std::printf(command.options.fill == Fill::background ? ", %.2f %% filled\n" : "\n", invented);
+  }
+  if (totals.blind > 0) {
+    std::fprintf(
+        stderr,
+        "ldp render: %d of %d cameras see nothing of the panorama: give cameras in the coordinates of those that "
+        "'ldp export %s -o cameras.json' writes\n",
+        totals.blind, totals.views, command.panorama.c_str());
   }
 }
 
@@ -116,24 +147,15 @@ int run(const RenderCommand& command, const Session& session) {
   check(command);
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
-  const bool film = is_film(command.output);
-  if (!film) OutputFolder(command.output, OutputFolder::Existing::merge);  // refused before the file is read
   const LayeredPanorama panorama = read_panorama(command.panorama, job);
   const std::vector<Camera> cameras = cameras_of(command, panorama);
   if (cameras.empty()) throw BadInput(command.cameras + ": has no frames: add the cameras to render");
   check_stems(cameras, command.cameras);
   const Renderer renderer(panorama);
-  const Totals totals =
-      film ? render_film(command, renderer, cameras, job) : render_pictures(command, renderer, cameras, job);
+  const Totals totals = names_a_film(command.output) ? render_film(command, renderer, cameras, job)
+                                                     : render_pictures(command, renderer, cameras, job);
   bar.reset();
-  const double holes = 100 * totals.holes / totals.views, invented = 100 * totals.invented / totals.views;
-  if (session.json) {
-    std::printf("{\"views\": %d, \"holes_percent\": %.4f, \"invented_percent\": %.4f}\n", totals.views, holes,
-                invented);
-  } else {
-    std::printf("%s: %d views, %.2f %% holes", command.output.c_str(), totals.views, holes);
-    std::printf(command.options.fill == Fill::background ? ", %.2f %% filled\n" : "\n", invented);
-  }
+  print_summary(command, totals, session.json);
   return kDone;
 }
 
@@ -143,7 +165,6 @@ void add_render(Program& program) {
   auto command = std::make_shared<RenderCommand>();
   CLI::App& app = add_command(program, "render", "Render views with parallax from an .ldp file",
                               [command](const Session& session) { return run(*command, session); });
-  const std::map<std::string, Fill> fills{{"none", Fill::none}, {"background", Fill::background}};
   app.add_option("FILE", command->panorama, "The .ldp file")->required();
   app.add_option("-o,--output", command->output, "Folder for the views, or a film (.mp4, .webm, .gif; needs ffmpeg)")
       ->required();
@@ -152,17 +173,21 @@ void add_render(Program& program) {
       ->check(CLI::IsMember({"sway", "walk", "dolly"}));
   app.add_option("--frames", command->frames, "Views along the path")
       ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  app.add_option("--size", command->size, "Size of views along the path, WIDTHxHEIGHT");
+      ->capture_default_str()
+      ->excludes("--cameras");
+  app.add_option("--size", command->size, "Size of views along the path, WIDTHxHEIGHT")->excludes("--cameras");
   app.add_option("--fov", command->fov_deg, "Horizontal field of view along the path, degrees; 0 = that of the photos")
-      ->check(CLI::Range(0.0, 150.0));
+      ->check(CLI::Range(0.0, 150.0))
+      ->excludes("--cameras");
   app.add_flag("--depth", command->options.depth, "Also write z-depth, as .pfm");
   app.add_option("--layers", command->options.layers, "Draw at most so many layers")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
-  app.add_option("--fill", command->options.fill,
-                 "Holes: none leaves them transparent, background continues what lies behind")
-      ->transform(CLI::CheckedTransformer(fills))
+  app.add_option_function<std::string>(
+         "--fill",
+         [command](const std::string& name) { command->options.fill = name == "none" ? Fill::none : Fill::background; },
+         "Holes: none leaves them transparent, background continues what lies behind")
+      ->check(CLI::IsMember({"none", "background"}))
       ->default_str("none");
 }
 

@@ -39,7 +39,7 @@ int run(SceneCommand command, const Session& session) {
   make_scene(command.scene.scene, command.scene.seed);  // an unknown name is refused before anything is written
   OutputFolder folder(command.output, OutputFolder::Existing::refuse);
   ProgressBar bar(session.progress_fd);
-  write_scene_capture(command.scene, folder.path(), start_job(session, bar));
+  folder.fill([&] { write_scene_capture(command.scene, folder.path(), start_job(session, bar)); });
   folder.keep();
   return kDone;
 }

@@ -1,0 +1,137 @@
+// Where the program `ldp` writes to: names that cannot be meant, what is left of earlier runs, and what it says of
+// views that show nothing.
+
+#include <nlohmann/json.hpp>
+
+#include "flow.h"
+#include "transforms.h"
+
+namespace ldp {
+namespace {
+
+class Outputs : public Flow {
+ protected:
+  // Four tiny photos and their panorama.
+  std::string small_panorama() const {
+    const Outcome made =
+        ldp({"scene", "room", "-o", path("capture"), "--size", "96x72", "--frames", "4", "--arc", "30", "--no-novel"});
+    EXPECT_EQ(made.status, 0) << made.err;
+    const Outcome built = ldp({"build", path("capture"), "-o", path("a.ldp"), "--cameras",
+                               path("capture/transforms.json"), "--layers", "1", "--labels", "2"});
+    EXPECT_EQ(built.status, 0) << built.err;
+    return path("a.ldp");
+  }
+  // A program called ffmpeg that does `what` with the film's name in $film, before all others on the path.
+  std::vector<std::string> with_ffmpeg(const std::string& what) const {
+    const fs::path folder = room_ / "bin";
+    fs::create_directories(folder);
+    std::ofstream(folder / "ffmpeg") << "#!/bin/bash\nfilm=\"${@: -1}\"\n" << what << "\n";
+    fs::permissions(folder / "ffmpeg", fs::perms::owner_all);
+    return {"env", "PATH=" + folder.string() + ":/usr/bin:/bin"};
+  }
+  std::vector<std::string> render_path(const std::string& file, const std::string& to, int frames) const {
+    return {"render", file, "--path", "sway", "--frames", std::to_string(frames), "--size", "64x48", "-o", to};
+  }
+};
+
+TEST_F(Outputs, AFilmIsKnownByItsEndingInAnyCase) {
+  const std::string file = small_panorama();
+  const auto ffmpeg = with_ffmpeg("cat > \"$film\"");
+  for (const char* name : {"film.mp4", "film.MP4", "film.WebM", "film.gif"}) {
+    ASSERT_EQ(Running(render_path(file, path(name), 2), room_, ffmpeg).wait().status, 0) << name;
+    EXPECT_EQ(fs::file_size(path(name)), 2U * 64 * 48 * 3) << name;
+  }
+}
+
+TEST_F(Outputs, AFolderNamedLikeAFileIsRefusedUnlessASlashFollows) {
+  const std::string file = small_panorama();
+  for (const char* name : {"film.webp", "film.AVI", "film.mov", "views.ldp"})
+    expect_refusal(render_path(file, path(name), 2), 2, std::string(name) + "/ if a folder is meant");
+  expect_refusal({"scene", "room", "-o", path("room.jpg")}, 2, "room.jpg/ if a folder is meant");
+  expect_refusal({"build", path("capture"), "-o", path("b.ldp"), "--debug", path("steps.png")}, 2, "steps.png/");
+  expect_refusal({"build", path("capture"), "-o", path("b.jpg")}, 2, "is no name of a .ldp file");
+  for (const char* name : {"film.webp/", "views.v1.5", "room.views"}) {
+    EXPECT_EQ(ldp(render_path(file, path(name), 1)).status, 0) << name;
+    EXPECT_TRUE(fs::exists(fs::path(path(name)) / "frame_000.png")) << name;
+  }
+  EXPECT_EQ(ldp(render_path(file, path("film.webp"), 1)).status, 0) << "it is a folder by now";
+}
+
+TEST_F(Outputs, AShorterPathDoesNotMixWithTheViewsOfALongerOne) {
+  const std::string file = small_panorama();
+  ASSERT_EQ(ldp(render_path(file, path("views"), 3)).status, 0);
+  EXPECT_EQ(ldp(render_path(file, path("views"), 3)).status, 0) << "the same views again";
+  expect_refusal(render_path(file, path("views"), 2), 2, "frame_002.png: is left from a longer path");
+  EXPECT_EQ(ldp(render_path(file, path("views"), 4)).status, 0) << "all are replaced";
+}
+
+TEST_F(Outputs, WhatOnlyAPathHasIsRefusedWithCameras) {
+  const std::vector<std::string> words{"render", path("a.ldp"), "--cameras", path("views.json"), "-o", path("views")};
+  for (const auto& [option, value] : std::map<std::string, std::string>{
+           {"--frames", "3"}, {"--size", "64x48"}, {"--fov", "50"}, {"--path", "sway"}}) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), {option, value});
+    expect_refusal(all, 2, "--cameras");
+  }
+}
+
+TEST_F(Outputs, CamerasOfAnotherWorldAreToldOf) {
+  const std::string file = small_panorama();
+  std::vector<Camera> cameras = read_transforms(path("capture/transforms.json"));
+  cameras.resize(2);
+  const auto rendered = [&] {
+    write_file(path("views.json"),
+               [text = transforms_json(cameras)] { return std::vector<uint8_t>(text.begin(), text.end()); }());
+    return ldp({"render", file, "--cameras", path("views.json"), "-o", path("views"), "--fill", "background"});
+  };
+  EXPECT_EQ(rendered().err, "");
+  Eigen::Matrix3d& turn = cameras[1].pose.world_from_camera;
+  turn.col(0) *= -1, turn.col(2) *= -1;  // it looks the other way
+  const Outcome blind = rendered();
+  EXPECT_EQ(blind.status, 0);
+  EXPECT_THAT(blind.err, HasSubstr("1 of 2 cameras see nothing of the panorama"));
+  EXPECT_EQ(std::count(blind.err.begin(), blind.err.end(), '\n'), 1) << blind.err;
+}
+
+TEST_F(Outputs, AFullDiskIsToldByTheUsersOwnNames) {
+  const std::string file = small_panorama();
+  // Files may have 1 KiB, as if the disk were full.
+  const std::vector<std::string> full{"bash", "-c", "ulimit -f 1; trap '' XFSZ; exec \"$0\" \"$@\""};
+  expect_refusal(render_path(file, path("views"), 2), 1, "cannot write " + path("views/frame_000.png"), full);
+  expect_refusal({"scene", "room", "-o", path("room"), "--frames", "2", "--size", "64x48"}, 1,
+                 "cannot write " + path("room/frames/000.png"), full);
+  expect_refusal({"export", file, "-o", path("a.png")}, 1, "cannot write " + path("a.png"), full);
+  expect_refusal(render_path(file, path("film.mp4"), 2), 1,
+                 path("film.mp4") + ": ffmpeg failed: " + path("film.mp4") + ": No space left on device",
+                 with_ffmpeg("echo \"$film: No space left on device\" >&2; echo and more >&2; exit 1"));
+}
+
+TEST_F(Outputs, SmallFilesAreCountedInKilobytes) {
+  const std::string file = small_panorama();
+  const Outcome exported = ldp({"export", file, "-o", path("a.json")});
+  EXPECT_THAT(exported.out, HasSubstr(" kB\n"));
+  EXPECT_THAT(exported.out, testing::Not(HasSubstr(" 0.0 ")));
+}
+
+TEST_F(Outputs, HelpAndRefusalsHoldPrintableTextOnly) {
+  const auto printable = [](const std::string& text) {
+    return std::all_of(text.begin(), text.end(), [](unsigned char c) { return c == '\n' || (c >= 0x20 && c != 0x7F); });
+  };
+  for (const char* command : {"build", "render", "info", "verify", "export", "evaluate", "poses", "scene"})
+    EXPECT_TRUE(printable(ldp({command, "--help"}).out)) << command;
+  expect_refusal({"build", path("x"), "-o", path("a.ldp"), "--rays", "round"}, 2, "round not in {pushbroom,central}");
+  expect_refusal({"render", path("a.ldp"), "-o", path("views"), "--fill", "green"}, 2,
+                 "green not in {none,background}");
+  for (const auto& words : {std::vector<std::string>{"build", "x", "-o", "a.ldp", "--rays", "round"},
+                            std::vector<std::string>{"render", "a.ldp", "-o", "views", "--fill", "green"}})
+    EXPECT_TRUE(printable(ldp(words).err)) << words[0];
+}
+
+TEST_F(Outputs, MemoryIsASizeAndNothingElse) {
+  for (const char* size : {"-5", "-1M", "abc", "5X", "1e3", "1.5M", "+5M", "99999999999999999999T"})
+    expect_refusal({"build", path("x"), "-o", path("a.ldp"), "--memory", size}, 2,
+                   "--memory: '" + std::string(size) + "' is not a size such as 128M");
+}
+
+}  // namespace
+}  // namespace ldp
