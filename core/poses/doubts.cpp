@@ -15,6 +15,7 @@ constexpr size_t kTelling = 30;      // matches of a pair from which its disagre
 constexpr double kLeastShare = 0.5;  // of a pair's matches must agree with the poses
 constexpr int kLeastTies = 12;       // points that tie a photo to those before it
 constexpr int kReach = 4;            // photos before and after that count for it
+constexpr int kFirm = 8;             // points seen before, in and after a photo, that tie its two steps together
 constexpr double kSameView = 0.25;   // of the field of view: photos turned by less show the same
 constexpr double kSamePlace = 0.1;   // of the distance of points in the median: and stand nearer than this
 
@@ -59,6 +60,25 @@ class Doubts {
     if (where.first < 0) return {};
     return "only " + std::to_string(least) + " points tie " + both(where.first, where.second) +
            " together: take photos with more overlap";
+  }
+
+  // Steps between two photos each, that hardly a third photo compares: how long they are beside each other, and the
+  // focal length, are then anyone's guess.
+  std::string in_pairs(bool focal_known) const {
+    if (r_.motion == Motion::rotation) return {};
+    std::vector<int> between(static_cast<size_t>(sweep_.frames()), 0);
+    for (const Track& track : r_.tracks) {
+      for (size_t i = 1; i + 1 < track.size(); ++i) ++between[static_cast<size_t>(track[i].frame)];
+    }
+    int steps = -1, firm = 0;
+    for (int f = 0; f < sweep_.frames(); ++f) {
+      if (!posed(f)) continue;
+      ++steps;
+      firm += between[static_cast<size_t>(f)] >= kFirm ? 1 : 0;
+    }
+    if (2 * firm >= steps - 1) return {};
+    return std::string("hardly a point is seen in three photos: take photos with more overlap (three quarters)") +
+           (focal_known ? "" : ", or give the field of view (--fov)");
   }
 
   // Two photos of one view by their poses, that have nothing in common.
@@ -118,9 +138,10 @@ class Doubts {
 }  // namespace
 
 std::string doubt(const MatchedSweep& sweep, const Reconstruction& reconstruction,
-                  const std::vector<std::string>& names) {
+                  const std::vector<std::string>& names, bool focal_known) {
   const Doubts doubts(sweep, reconstruction, names);
-  for (const std::string& found : {doubts.contradicted(), doubts.unrelated(), doubts.loose()}) {
+  for (const std::string& found :
+       {doubts.contradicted(), doubts.unrelated(), doubts.loose(), doubts.in_pairs(focal_known)}) {
     if (!found.empty()) return found;
   }
   return {};

@@ -108,17 +108,50 @@ std::pair<int, int> common_size(const std::vector<Frame>& frames) {
       ->first;
 }
 
-// Frames of the common size as a sweep, and which frame each of the sweep is.
+// A camera that stood still, or a photo stored twice: a step of no length.
+bool repeats(const Frame& before, const Frame& frame) {
+  return frame.features.size() > 0 && frame.picture.grey.samples == before.picture.grey.samples;
+}
+
+// By frame, why it can be no part of the sweep; empty where it can.
+std::vector<std::string> unfit_frames(const std::vector<Frame>& frames) {
+  const std::pair<int, int> size = common_size(frames);
+  std::vector<std::string> reasons(frames.size());
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const Features& f = frames[i].features;
+    if (std::pair(f.width, f.height) != size) {
+      reasons[i] = "it has " + std::to_string(f.width) + "x" + std::to_string(f.height) + " pixels, the other photos " +
+                   std::to_string(size.first) + "x" + std::to_string(size.second);
+    } else if (i > 0 && repeats(frames[i - 1], frames[i])) {
+      reasons[i] = "it is the same picture as " + frames[i - 1].name;
+    }
+  }
+  return reasons;
+}
+
+// Throws Impossible, with the reason of the first that is unfit.
+void require_three_fit(const std::vector<Frame>& frames, const std::vector<std::string>& unfit) {
+  const auto fit = std::count(unfit.begin(), unfit.end(), std::string());
+  if (fit >= 3) return;
+  const auto first =
+      std::find_if(unfit.begin(), unfit.end(), [](const std::string& reason) { return !reason.empty(); });
+  throw Impossible("only " + std::to_string(fit) + " of " + std::to_string(frames.size()) +
+                   " photos can be used; at least 3 are needed: of " +
+                   frames[static_cast<size_t>(first - unfit.begin())].name + ": " + *first);
+}
+
+// Frames fit for it as a sweep, and which frame each of the sweep is.
 struct Chosen {
   MatchedSweep sweep;
   std::vector<int> frame;
 };
 
-Chosen choose(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs, std::pair<int, int> size) {
+Chosen choose(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs,
+              const std::vector<std::string>& unfit) {
   Chosen chosen;
   std::vector<int> place(frames.size(), -1);
   for (size_t i = 0; i < frames.size(); ++i) {
-    if (std::pair(frames[i].features.width, frames[i].features.height) != size) continue;
+    if (!unfit[i].empty()) continue;
     place[i] = chosen.sweep.frames();
     chosen.sweep.pictures.push_back(frames[i].picture);
     chosen.sweep.features.push_back(frames[i].features);
@@ -132,16 +165,13 @@ Chosen choose(const std::vector<Frame>& frames, const std::vector<PairMatches>& 
 }
 
 std::vector<FrameReport> first_reports(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs,
-                                       std::pair<int, int> size) {
+                                       const std::vector<std::string>& unfit) {
   std::vector<FrameReport> reports;
-  for (const Frame& frame : frames) {
+  for (size_t i = 0; i < frames.size(); ++i) {
     FrameReport report;
-    report.name = frame.name;
-    report.features = frame.features.size();
-    if (std::pair(frame.features.width, frame.features.height) != size) {
-      report.reason = "it has " + std::to_string(frame.features.width) + "x" + std::to_string(frame.features.height) +
-                      " pixels, the other photos " + std::to_string(size.first) + "x" + std::to_string(size.second);
-    }
+    report.name = frames[i].name;
+    report.features = frames[i].features.size();
+    report.reason = unfit[i];
     reports.push_back(report);
   }
   for (const PairMatches& pair : pairs) {
@@ -205,14 +235,16 @@ Poses to_world(const Reconstruction& found, const Chosen& chosen, const std::vec
 
 Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs, const PosesOptions& options,
             const Job& job) {
-  const std::pair<int, int> size = common_size(frames);
-  Chosen chosen = choose(frames, pairs, size);
-  const Reconstruction found = reconstruct(chosen.sweep, focal_prior(frames, options), job);
+  const std::vector<std::string> unfit = unfit_frames(frames);
+  require_three_fit(frames, unfit);
+  Chosen chosen = choose(frames, pairs, unfit);
+  const std::optional<FocalPrior> focal = focal_prior(frames, options);
+  const Reconstruction found = reconstruct(chosen.sweep, focal, job);
   Poses poses = to_world(found, chosen, frames, options.arm_length);
   poses.report.motion = found.motion;
   poses.report.closed = found.closed;
   poses.report.points = static_cast<int>(poses.points.size());
-  poses.report.frames = first_reports(frames, pairs, size);
+  poses.report.frames = first_reports(frames, pairs, unfit);
   for (size_t i = 0; i < chosen.frame.size(); ++i) {
     FrameReport& report = poses.report.frames[static_cast<size_t>(chosen.frame[i])];
     report.posed = found.dropped[i].empty();
@@ -221,7 +253,7 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
   report_errors(found.bundle, chosen.frame, poses.report);
   std::vector<std::string> names;
   for (const int i : chosen.frame) names.push_back(frames[static_cast<size_t>(i)].name);
-  poses.report.doubt = doubt(chosen.sweep, found, names);
+  poses.report.doubt = doubt(chosen.sweep, found, names, focal.has_value());
   job.report("poses", 1);
   return poses;
 }

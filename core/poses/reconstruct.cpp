@@ -61,6 +61,8 @@ std::vector<int> groups(const MatchedSweep& sweep, const std::function<bool(cons
   return group;
 }
 
+const std::string kBare = "it shows next to no texture";
+
 // All but the largest group that hangs together by matches are dropped with a reason.
 std::vector<std::string> loose_frames(const MatchedSweep& sweep) {
   const std::vector<int> group = groups(sweep, [](const PairMatches&) { return true; });
@@ -76,7 +78,7 @@ std::vector<std::string> loose_frames(const MatchedSweep& sweep) {
   std::vector<std::string> dropped(group.size());
   for (size_t i = 0; i < group.size(); ++i) {
     if (group[i] == best) continue;
-    dropped[i] = sweep.features[i].size() < kLeastInliers ? "it shows next to no texture"
+    dropped[i] = sweep.features[i].size() < kLeastInliers ? kBare
                  : partners[i] == 0                       ? "it matches no other photo"
                                                           : "it matches only photos that do not connect with the rest";
   }
@@ -89,9 +91,11 @@ int posed(const std::vector<std::string>& dropped) {
 
 void require(const MatchedSweep& sweep, const std::vector<std::string>& dropped) {
   if (posed(dropped) >= kLeastPosed) return;
-  throw Impossible(
-      "only " + std::to_string(posed(dropped)) + " of " + std::to_string(sweep.frames()) +
-      " photos connect with each other; at least 3 are needed: take them with more overlap (three quarters)");
+  const bool bare = 2 * std::count(dropped.begin(), dropped.end(), kBare) >= sweep.frames();
+  throw Impossible("only " + std::to_string(posed(dropped)) + " of " + std::to_string(sweep.frames()) +
+                   " photos connect with each other; at least 3 are needed: " +
+                   (bare ? "most show next to no texture: take them in more light, of something with detail"
+                         : "take them with more overlap (three quarters), sharp and free of noise"));
 }
 
 // Tracks without the observations of dropped frames.

@@ -557,7 +557,7 @@ struct KnownSweep {
     }
     return result;
   }
-  std::string doubted() const { return doubt(sweep, found, names); }
+  std::string doubted() const { return doubt(sweep, found, names, false); }
 };
 
 // What photo b - 2 shows, found in photo b: something that stands there twice.
@@ -608,6 +608,18 @@ TEST(Doubt, NamesThePlaceThatFewPointsBridge) {
     if (bridges && ++left > 5) std::erase_if(track, [](const Observation& o) { return o.frame < 4; });
   }
   EXPECT_THAT(known.doubted(), HasSubstr("points tie photo 3 and photo 4 together"));
+}
+
+TEST(Doubt, TellsOfStepsThatNoThirdPhotoCompares) {
+  KnownSweep known;
+  std::vector<Track> pairs;
+  for (const Track& track : known.found.tracks) {  // each point is seen by two neighbours only
+    for (size_t i = 0; i + 1 < track.size(); ++i) pairs.push_back({track[i], track[i + 1]});
+  }
+  known.found.tracks = pairs;
+  EXPECT_THAT(known.doubted(), HasSubstr("hardly a point is seen in three photos"));
+  EXPECT_THAT(known.doubted(), HasSubstr("--fov"));
+  EXPECT_THAT(doubt(known.sweep, known.found, known.names, true), testing::Not(HasSubstr("--fov")));
 }
 
 TEST(Doubt, NamesPhotosOfOneViewThatShareNothing) {
@@ -815,6 +827,17 @@ TEST(EstimatePoses, DropsAPhotoOfAnotherSizeAndSaysSo) {
   EXPECT_THAT(poses.report.frames[7].reason, HasSubstr("300x400"));
 }
 
+TEST(EstimatePoses, DropsAPhotoThatRepeatsTheOneBefore) {
+  std::vector<RgbImage> images = rendered(0.65).images;
+  images.insert(images.begin() + 4, 2, images[3]);
+  const Poses poses = estimate_poses(Photos(images), PosesOptions{}, Job{});
+  EXPECT_THAT(poses.report.frames[4].reason, HasSubstr("the same picture as 1003.png"));
+  EXPECT_THAT(poses.report.frames[5].reason, HasSubstr("the same picture as 1004.png"));
+  ASSERT_EQ(poses.cameras.size(), 8U);
+  for (size_t i = 0; i < 8; ++i)
+    EXPECT_LT((poses.cameras[i].pose.centre - estimated().cameras[i].pose.centre).norm(), 0.01) << i;
+}
+
 TEST(EstimatePoses, SaysWhyItIsImpossible) {
   const std::vector<RgbImage> two(rendered(0.65).images.begin(), rendered(0.65).images.begin() + 2);
   const auto words = [](const std::vector<RgbImage>& images) {
@@ -826,7 +849,16 @@ TEST(EstimatePoses, SaysWhyItIsImpossible) {
     return std::string();
   };
   EXPECT_THAT(words(two), HasSubstr("at least 3 photos"));
-  EXPECT_THAT(words(std::vector<RgbImage>(4, RgbImage(200, 150, Rgb{50, 60, 70}))), HasSubstr("connect"));
+  const std::string blank = words(std::vector<RgbImage>(4, RgbImage(200, 150, Rgb{50, 60, 70})));
+  EXPECT_THAT(blank, HasSubstr("only 1 of 4 photos connect with each other"));
+  EXPECT_THAT(blank, HasSubstr("most show next to no texture"));
+  EXPECT_THAT(words(std::vector<RgbImage>(4, two[0])), HasSubstr("of 1001.png: it is the same picture as 1000.png"));
+  std::mt19937 random(3);
+  std::vector<RgbImage> noise(4, RgbImage(200, 150));
+  for (RgbImage& image : noise) {
+    for (Rgb& pixel : image.samples) pixel.r = pixel.g = pixel.b = static_cast<uint8_t>(random());
+  }
+  EXPECT_THAT(words(noise), HasSubstr("sharp and free of noise"));
 }
 
 TEST(EstimatePoses, StopsWhenAsked) {
