@@ -6,6 +6,7 @@
 #include <sys/signalfd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <thread>
@@ -22,6 +23,9 @@ constexpr int64_t kLongPress_ns = 3 * kSecond_ns;
 constexpr int64_t kRest_ns = 30 * kSecond_ns;  // how long a result stays shown
 constexpr int64_t kGuidanceInterval_ns = kSecond_ns / 5;
 constexpr int64_t kButtonRetry_ns = 2 * kSecond_ns;
+constexpr const char* kEndedByButton = "the sweep was ended by the button";
+constexpr const char* kFull = "the sweep is complete";
+constexpr double kDegrees = 57.29577951308232;
 constexpr int kMaxInterruptions = 5;  // builds of a capture without a verdict, before it is left alone
 
 std::string frames_text(int frames) { return std::to_string(frames) + (frames == 1 ? " frame" : " frames"); }
@@ -156,7 +160,7 @@ void CaptureSession::check_deadlines(int64_t now_ns) {
     handle(Event::long_press, "cancelled: the button was held for 3 s");
   }
   if (sweep_ && sweep_->full(now_ns)) {
-    handle(Event::sweep_full, "the sweep is complete");
+    handle(Event::sweep_full, kFull);
   } else if (sweep_ && sweep_->stalled(now_ns)) {
     handle(Event::camera_lost, "the camera gives no more frames");
   }
@@ -230,6 +234,7 @@ void CaptureSession::begin_sweep() {
         run_ == Run::capture_only ? std::filesystem::path(config_.output).filename().string() : store_.create_capture();
     sweep_ = std::make_unique<Sweep>(config_, std::move(camera), capture_folder(), writer_);
     next_guidance_ns_ = 0;
+    sweep_begin_ns_ = monotonic_now_ns();
     say("capturing: turn slowly, arm stretched out");
   } catch (const std::exception& error) {
     const std::string unused = std::exchange(capture_, {});
@@ -240,6 +245,8 @@ void CaptureSession::begin_sweep() {
 
 void CaptureSession::end_sweep(const std::string& why, bool complete) {
   sweep_end_ns_ = monotonic_now_ns();
+  end_reason_ = why;
+  if (sweep_) covered_rad_ = sweep_->guidance().covered_rad;
   try {
     if (sweep_) sweep_->end(why, complete);
   } catch (const std::exception& error) {
@@ -271,11 +278,8 @@ void CaptureSession::continue_after_sweep() {
   give_memory_back();
   if (phase_ != Phase::building) return;
   if (frames_stored_ < config_.min_frames) {
-    const std::string why = storage_problem_.empty()
-                                ? "press, turn slowly through at least a quarter circle, press again"
-                                : storage_problem_;
     return fail_build("only " + frames_text(frames_stored_) + ", at least " + std::to_string(config_.min_frames) +
-                          " are needed: " + why,
+                          " are needed: " + why_so_few(),
                       false);
   }
   if (run_ == Run::capture_only) {
@@ -284,6 +288,16 @@ void CaptureSession::continue_after_sweep() {
   }
   backlog_.push_front(capture_);
   start_build();
+}
+
+std::string CaptureSession::why_so_few() const {
+  if (!storage_problem_.empty()) return storage_problem_;
+  if (end_reason_ != kEndedByButton && end_reason_ != kFull) return end_reason_;
+  const bool hold = config_.mode == ButtonMode::hold;
+  return "the sweep lasted " + seconds_text(static_cast<double>(sweep_end_ns_ - sweep_begin_ns_) * 1e-9) +
+         " and turned by " + std::to_string(std::lround(covered_rad_ * kDegrees)) +
+         " degrees: " + (hold ? "hold the button while you turn" : "press, turn") +
+         " slowly through at least a quarter circle" + (hold ? "" : ", press again");
 }
 
 BuildCommand CaptureSession::build_command(bool follows) const {
@@ -461,10 +475,10 @@ void CaptureSession::serve_button() {
 void CaptureSession::button_changed(const ButtonEvent& event) {
   if (event.pressed) {
     pressed_since_ns_ = event.time_ns;
-    handle(Event::press, "the sweep was ended by the button");
+    handle(Event::press, kEndedByButton);
   } else {
     pressed_since_ns_.reset();
-    handle(Event::release, "the sweep was ended by the button");
+    handle(Event::release, kEndedByButton);
   }
 }
 

@@ -71,6 +71,7 @@ class CaptureSession {
   void stop_build(bool cancelled);
   void finish_build(const BuildEnd& end);
   void continue_after_sweep();
+  std::string why_so_few() const;
   void fail_build(const std::string& reason, bool retry);
   BuildCommand build_command(bool follows) const;
   void follow(const std::string& stored_file);
@@ -117,11 +118,13 @@ class CaptureSession {
   std::string text_;     // the present one line for people
   std::string capture_;  // name of the sweep in work
   int frames_stored_ = 0;
-  bool sweep_closing_ = false;  // ended, its last frames are being written
-  std::string storage_problem_;
-  std::deque<std::string> backlog_;  // captures that wait to be built
+  bool sweep_closing_ = false;                // ended, its last frames are being written
+  std::string end_reason_, storage_problem_;  // of the sweep
+  std::deque<std::string> backlog_;           // captures that wait to be built
   std::optional<int64_t> pressed_since_ns_;
-  int64_t sweep_end_ns_ = 0, next_tick_ns_ = 0, next_button_try_ns_ = 0, rest_at_ns_ = 0, next_guidance_ns_ = 0;
+  double covered_rad_ = 0;  // by the sweep, when it ended
+  int64_t sweep_begin_ns_ = 0, sweep_end_ns_ = 0, next_tick_ns_ = 0, next_button_try_ns_ = 0, rest_at_ns_ = 0,
+          next_guidance_ns_ = 0;
   bool stopping_ = false;
   int64_t ignored_told_ = 0;  // malformed messages, when they were last spoken of
   int exit_status_ = 0;

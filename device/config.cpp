@@ -201,6 +201,8 @@ class Reader {
 
 }  // namespace
 
+bool can_be_held(const std::string& button) { return !button.starts_with("keyboard:"); }
+
 std::vector<ConfigMistake> wrong_devices(const Config& config) {
   std::vector<ConfigMistake> mistakes;
   const auto check = [&](const char* what, const std::string& url, const char* schemes) {
@@ -209,6 +211,8 @@ std::vector<ConfigMistake> wrong_devices(const Config& config) {
   };
   check("camera", config.camera, kCameras);
   check("button", config.button, kButtons);
+  if (config.mode == ButtonMode::hold && !can_be_held(config.button))
+    mistakes.push_back({0, "button: a terminal does not tell when a key is let go: keyboard: needs the mode toggle"});
   for (const std::string& status : config.status) check("status", status, kStatuses);
   return mistakes;
 }

@@ -47,7 +47,11 @@ struct CheckedConfig {
   std::vector<ConfigMistake> mistakes;  // in the order of the file
 };
 
-// The kinds of camera, button and status, wherever they were named; line 0.
+// Whether a button of this URL tells when it is let go.
+bool can_be_held(const std::string& button);
+
+// The kinds of camera, button and status, wherever they were named, and a button that cannot do what the mode asks of
+// it; line 0.
 std::vector<ConfigMistake> wrong_devices(const Config& config);
 
 CheckedConfig parse_config(const std::string& toml_text);

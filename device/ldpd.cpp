@@ -15,16 +15,22 @@ constexpr int kBadArguments = 2;
 constexpr const char* kDefaultConfig = "/etc/ldpd.toml";
 
 struct Arguments {
-  std::string config_file, camera, button, output;
+  std::string config_file, camera, button, mode, output;
   std::vector<std::string> status;
   bool once = false, check_config = false, print_config = false;
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
+  app.set_version_flag("--version", "ldpd " LDP_VERSION);
+  app.footer(
+      "Exit status: 0 stopped or done, 1 no panorama was made or the service failed, 2 unusable arguments, 78 bad "
+      "configuration.");
   app.add_option("--config", arguments.config_file,
                  std::string("configuration file; default ") + kDefaultConfig + " where it exists");
   app.add_option("--camera", arguments.camera, "libcamera:0, v4l2:/dev/video0, folder:DIR?fps=30, scene:NAME?fps=30");
   app.add_option("--button", arguments.button, "gpiod:name=LINE, gpiod:gpiochip0/17, script:FILE, keyboard:");
+  app.add_option("--mode", arguments.mode, "hold: while the button is held; toggle: press to begin, press to end")
+      ->check(CLI::IsMember({"hold", "toggle"}));
   app.add_option("--status", arguments.status,
                  "lcm:udpm://239.255.76.67:7667?ttl=0, led:name=LINE, console:; several allowed");
   app.add_option("-o,--output", arguments.output, "folder of the captures and panoramas");
@@ -51,6 +57,7 @@ bool read_configuration(const Arguments& arguments, ldp::Config& config) {
   }
   if (!arguments.camera.empty()) config.camera = arguments.camera;
   if (!arguments.button.empty()) config.button = arguments.button;
+  if (!arguments.mode.empty()) config.mode = arguments.mode == "hold" ? ldp::ButtonMode::hold : ldp::ButtonMode::toggle;
   if (!arguments.output.empty()) config.output = arguments.output;
   if (!arguments.status.empty()) config.status = arguments.status;
   return good;

@@ -14,7 +14,7 @@ namespace {
 
 struct CaptureCommand {
   Config config;
-  std::string mode = "hold";
+  std::string mode;  // empty: as the button can
 };
 
 void refuse_used_folder(const std::string& folder) {
@@ -27,7 +27,9 @@ void refuse_used_folder(const std::string& folder) {
 int run_capture(CaptureCommand command, const Session& session) {
   Config& config = command.config;
   refuse_used_folder(config.output);
+  if (command.mode.empty()) command.mode = can_be_held(config.button) ? "hold" : "toggle";
   config.mode = command.mode == "hold" ? ButtonMode::hold : ButtonMode::toggle;
+  for (const ConfigMistake& mistake : wrong_devices(config)) throw BadInput("--" + mistake.text);
   CaptureSession capture(config, Run::capture_only, session.stop);
   const int status = capture.run();
   if (session.stop.stop_requested()) return kInterrupted;
@@ -56,9 +58,9 @@ void add_capture(Program& program) {
   app.add_option("--status", config.status,
                  "lcm:udpm://239.255.76.67:7667?ttl=0, led:name=LINE, console:; several allowed");
   app.add_option("-o,--output", config.output, "Folder to make");
-  app.add_option("--mode", command->mode, "hold: while the button is held; toggle: press to begin, press to end")
-      ->check(CLI::IsMember({"hold", "toggle"}))
-      ->capture_default_str();
+  app.add_option("--mode", command->mode,
+                 "hold: while the button is held; toggle: press to begin, press to end; by default what the button can")
+      ->check(CLI::IsMember({"hold", "toggle"}));
   app.add_option("--overlap", config.overlap, "Of neighbouring frames")
       ->check(CLI::Range(0.3, 0.95))
       ->capture_default_str();

@@ -315,8 +315,42 @@ TEST_F(LdpdTest, ATooShortSweepSaysWhatToDo) {
   script("press wait 40 release");
   const Finished run = run_once();
   EXPECT_EQ(run.status, 1);
-  EXPECT_THAT(run.said, HasSubstr("at least 4 are needed"));
+  EXPECT_THAT(run.said, HasSubstr("at least 4 are needed: the sweep lasted 0."));
+  EXPECT_THAT(run.said, HasSubstr("degrees: hold the button while you turn slowly"));
 }
+
+TEST_F(LdpdTest, InToggleModeATooShortSweepWasPressedTwice) {
+  configure("mode = \"toggle\"\n");
+  script("press release wait 40 press");
+  EXPECT_THAT(run_once().said, HasSubstr("degrees: press, turn slowly through at least a quarter circle, press again"));
+}
+
+TEST_F(LdpdTest, ASweepThatTheCameraCutShortIsNotBlamedOnTheButton) {
+  const Finished run = run_once("&lost_after=2");
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.said, HasSubstr("at least 4 are needed: the simulated camera was unplugged"));
+}
+
+TEST_F(LdpdTest, ASignalInMidSweepIsNotTakenForTheButton) {
+  script("press wait 60000 release");
+  Process service(command({"--once"}), room_ / "said");
+  ASSERT_TRUE(service.says("stored: 2"));
+  const Finished end = service.stop(SIGINT);
+  EXPECT_EQ(end.status, 1);
+  EXPECT_THAT(end.said, HasSubstr("shutting down"));
+  EXPECT_THAT(end.said, Not(HasSubstr("button")));
+  EXPECT_THAT(text_of(capture() / "capture.json"), HasSubstr("\"end_reason\": \"shutting down\""));
+}
+
+TEST_F(LdpdTest, AKeyboardKnowsPressesOnly) {
+  std::vector<std::string> words = command({"--mode", "hold"});
+  words[6] = "keyboard:";
+  const Finished held = Process(words, room_ / "said").wait();
+  EXPECT_EQ(held.status, 2);
+  EXPECT_THAT(held.said, HasSubstr("--button: a terminal does not tell when a key is let go"));
+}
+
+TEST_F(LdpdTest, TellsItsVersion) { EXPECT_EQ(Process({LDPD_PROGRAM, "--version"}, room_ / "said").wait().status, 0); }
 
 TEST_F(LdpdTest, AMissingCameraIsNamed) {
   std::vector<std::string> words = command({"--once"});
