@@ -67,9 +67,9 @@ void print_summary(const BuildCommand& command, const BuildResult& result, size_
 
 int run(const BuildCommand& command, const Session& session) {
   check_output_file(command.output, ".ldp");
-  if (!command.report.empty()) check_output_file(command.report, ".json");
   if (std::filesystem::weakly_canonical(command.report) == std::filesystem::weakly_canonical(command.output))
     throw BadInput(command.report + ": is named for the panorama and for the report: choose two names");
+  if (!command.report.empty()) check_output_file(command.report, ".json");
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
   PoseEstimator begun{PosesOptions{}};
