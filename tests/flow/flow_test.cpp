@@ -225,12 +225,15 @@ TEST_F(Flow, RefusesAPanoramaThatWasCutShortOrChanged) {
   fs::resize_file(path("cut.ldp"), fs::file_size(file) / 2);
   expect_refusal({"verify", path("cut.ldp")}, 1, "cut.ldp");
   expect_refusal({"info", path("cut.ldp")}, 2, "cut.ldp");
+  expect_refusal({"export", path("cut.ldp"), "-o", path("a.json")}, 2, "cut.ldp");
   expect_refusal({"render", path("cut.ldp"), "--cameras", path("capture/novel.json"), "-o", path("views")}, 2,
                  "cut.ldp");
   std::vector<uint8_t> bytes = read_file(file);
   bytes[bytes.size() / 2] ^= 0x10;
   write_file(path("changed.ldp"), bytes);
   expect_refusal({"verify", path("changed.ldp")}, 1, "changed.ldp");
+  expect_refusal({"export", path("changed.ldp"), "-o", path("a.json")}, 2, "changed.ldp");
+  expect_refusal({"render", path("changed.ldp"), "--path", "sway", "-o", path("views")}, 2, "changed.ldp");
 }
 
 TEST_F(Flow, RefusesUnknownWordsAndBadValuesInOneLine) {
