@@ -377,7 +377,14 @@ void CaptureSession::stop_build(bool cancelled) {
 
 void CaptureSession::finish_build(const BuildEnd& end) {
   build_.reset();
-  if (!end.ok) return fail_build(end.reason, end.retry);
+  if (!end.ok) {
+    // The build knows its file by the name that it has until it is whole.
+    std::string reason = end.reason;
+    const std::string building = store_.building_of(capture_).string();
+    if (const size_t at = reason.find(building); at != std::string::npos)
+      reason.replace(at, building.size(), store_.panorama_of(capture_).string());
+    return fail_build(reason, end.retry);
+  }
   try {
     store_.publish_panorama(capture_);
   } catch (const std::exception& error) {

@@ -136,7 +136,7 @@ void require_three_fit(const std::vector<Frame>& frames, const std::vector<std::
   const auto first =
       std::find_if(unfit.begin(), unfit.end(), [](const std::string& reason) { return !reason.empty(); });
   throw Impossible("only " + std::to_string(fit) + " of " + std::to_string(frames.size()) +
-                   " photos can be used; at least 3 are needed: of " +
+                   " photos can be used; at least 3 are needed, all of one size and no two alike; " +
                    frames[static_cast<size_t>(first - unfit.begin())].name + ": " + *first);
 }
 

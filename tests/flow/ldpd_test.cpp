@@ -277,6 +277,14 @@ TEST_F(LdpdTest, AFailedBuildKeepsTheFramesAndTheReason) {
   EXPECT_FALSE(fs::exists(panorama()));
 }
 
+TEST_F(LdpdTest, AFileThatCannotBeWrittenIsToldByTheNameItWouldHaveHad) {
+  build_program("echo \"ldp build: cannot write $file: No space left on device\" >&2; exit 1");
+  const Finished run = run_once();
+  const std::string reason = "ldp build: cannot write " + panorama().string() + ": No space left on device";
+  EXPECT_THAT(run.said, HasSubstr("failed: " + reason));
+  EXPECT_THAT(text_of(capture() / "build.json"), HasSubstr(reason));
+}
+
 TEST_F(LdpdTest, ACrashOfTheBuildIsAFailureWithItsReason) {
   build_program("kill -SEGV $$");
   const Finished run = run_once();

@@ -852,7 +852,8 @@ TEST(EstimatePoses, SaysWhyItIsImpossible) {
   const std::string blank = words(std::vector<RgbImage>(4, RgbImage(200, 150, Rgb{50, 60, 70})));
   EXPECT_THAT(blank, HasSubstr("only 1 of 4 photos connect with each other"));
   EXPECT_THAT(blank, HasSubstr("most show next to no texture"));
-  EXPECT_THAT(words(std::vector<RgbImage>(4, two[0])), HasSubstr("of 1001.png: it is the same picture as 1000.png"));
+  EXPECT_THAT(words(std::vector<RgbImage>(4, two[0])),
+              HasSubstr("no two alike; 1001.png: it is the same picture as 1000.png"));
   std::mt19937 random(3);
   std::vector<RgbImage> noise(4, RgbImage(200, 150));
   for (RgbImage& image : noise) {
