@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -47,6 +48,21 @@ void check_stems(const std::vector<Camera>& cameras, const std::string& file) {
     if (stem.empty()) throw BadInput(file + ": a frame has no file_path: name every frame, its view is named after it");
     if (!stems.insert(stem).second)
       throw BadInput(file + ": two frames are called " + stem + ": their views would overwrite each other");
+  }
+}
+
+// Every view is a PNG of red, green, blue and alpha; other pictures are someone's photos.
+bool may_be_a_view(const fs::path& file) {
+  constexpr int kColourType = 25, kRgba = 6;  // of the PNG header
+  std::ifstream in(file, std::ios::binary);
+  return in.seekg(kColourType) && in.get() == kRgba;
+}
+
+void keep_photos(const RenderCommand& command, const std::vector<Camera>& cameras) {
+  for (const Camera& camera : cameras) {
+    const fs::path view = fs::path(command.output) / (fs::path(camera.name).stem().string() + ".png");
+    if (fs::exists(view) && !may_be_a_view(view))
+      throw BadInput(view.string() + ": is there already and is no view: name another folder");
   }
 }
 
@@ -151,6 +167,7 @@ int run(const RenderCommand& command, const Session& session) {
   const std::vector<Camera> cameras = cameras_of(command, panorama);
   if (cameras.empty()) throw BadInput(command.cameras + ": has no frames: add the cameras to render");
   check_stems(cameras, command.cameras);
+  if (!names_a_film(command.output)) keep_photos(command, cameras);
   const Renderer renderer(panorama);
   const Totals totals = names_a_film(command.output) ? render_film(command, renderer, cameras, job)
                                                      : render_pictures(command, renderer, cameras, job);

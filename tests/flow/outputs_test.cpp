@@ -65,6 +65,20 @@ TEST_F(Outputs, AShorterPathDoesNotMixWithTheViewsOfALongerOne) {
   EXPECT_EQ(ldp(render_path(file, path("views"), 4)).status, 0) << "all are replaced";
 }
 
+TEST_F(Outputs, ViewsNeverReplacePhotos) {
+  const std::string file = small_panorama(), photo = path("capture/frames/000.png"), before = text_of(photo);
+  const std::vector<std::string> over{"render", file, "--cameras", path("capture/transforms.json"), "-o"};
+  const auto to = [&](const std::string& folder) {
+    std::vector<std::string> words = over;
+    words.push_back(folder);
+    return words;
+  };
+  expect_refusal(to(path("capture/frames")), 2, "000.png: is there already and is no view");
+  EXPECT_TRUE(text_of(photo) == before);
+  EXPECT_EQ(ldp(to(path("views"))).status, 0);
+  EXPECT_EQ(ldp(to(path("views"))).status, 0) << "views replace views";
+}
+
 TEST_F(Outputs, WhatOnlyAPathHasIsRefusedWithCameras) {
   const std::vector<std::string> words{"render", path("a.ldp"), "--cameras", path("views.json"), "-o", path("views")};
   for (const auto& [option, value] : std::map<std::string, std::string>{
