@@ -132,7 +132,7 @@ RgbImage FolderFrames::load(int index) const {
 }
 
 std::optional<double> FolderFrames::focal_hint(int index) const {
-  return read_photo(files_.at(static_cast<size_t>(index)), 4'000'000).focal_hint;
+  return read_focal_hint(files_.at(static_cast<size_t>(index)));
 }
 
 std::vector<Camera> FolderFrames::fit(const std::vector<Camera>& cameras) const {

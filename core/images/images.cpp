@@ -90,4 +90,10 @@ ImageSize read_image_size(const std::filesystem::path& file) {
   return is_jpeg(mapped.bytes()) ? upright(size, read_exif(mapped.bytes(), size).orientation) : size;
 }
 
+std::optional<double> read_focal_hint(const std::filesystem::path& file) {
+  const MappedFile mapped(file);
+  if (!is_jpeg(mapped.bytes())) return std::nullopt;
+  return read_exif(mapped.bytes(), image_size(mapped.bytes(), file.string())).focal_hint;
+}
+
 }  // namespace ldp

@@ -42,6 +42,7 @@ Photo read_photo(const std::filesystem::path& file, int64_t max_pixels = kMaxIma
 
 // Header only, EXIF orientation applied.
 ImageSize read_image_size(const std::filesystem::path& file);
+std::optional<double> read_focal_hint(const std::filesystem::path& file);  // that of read_photo
 
 // From memory. EXIF orientation is not applied.
 RgbImage decode_image(std::span<const uint8_t> bytes, const std::string& name_for_errors);

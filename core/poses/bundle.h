@@ -45,10 +45,11 @@ struct BundleOptions {
   bool refine_focal = true;
   bool refine_distortion = false;
   std::optional<FocalPrior> focal_prior;
-  double loss_px = 1;      // Cauchy scale, at weight 1
-  double arc_sigma = 0.2;  // of a free centre about its place on the sphere, radii
-  double pair_weight = 1;  // of points that only two cameras see, against those that a third confirms
-  bool in_front = false;   // points stay on this side of infinity (else a short arc may turn inside out)
+  double loss_px = 1;         // Cauchy scale, at weight 1
+  double arc_sigma = 0.2;     // of a free centre about its place on the sphere, radii
+  double pair_weight = 1;     // of points that only two cameras see, against those that a third confirms
+  bool in_front = false;      // points stay on this side of infinity (else a short arc may turn inside out)
+  bool near_the_end = false;  // steps may be bold: elsewhere they could end in another valley
   int most_iterations = 50;
   double settled = 1e-6;  // share by which the last step lowered the cost
 };

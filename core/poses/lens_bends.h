@@ -9,12 +9,7 @@
 
 namespace ldp {
 
-constexpr double kBends = 100;         // variances of an observation by which freeing it must lower the cost, and once
-constexpr double kBendsFollowed = 60;  // points are followed, which leaves fewer that move
-
-// The bundle (adjusted with `options`, at that cost) adjusted with distortion free, if that lowers the cost by so many
-// variances.
-std::optional<Bundle> bent_lens(const Bundle& bundle, BundleOptions options, double cost, double variances,
-                                const Job& job);
+// The bundle (adjusted with `options`, at that cost) adjusted with distortion free, if that lowers the cost clearly.
+std::optional<Bundle> bent_lens(const Bundle& bundle, BundleOptions options, double cost, const Job& job);
 
 }  // namespace ldp

@@ -4,46 +4,29 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
-#include <numbers>
 #include <numeric>
 
 #include "follow.h"
 #include "general.h"
 #include "guided.h"
-#include "lens_bends.h"
-#include "loners.h"
 #include "motion.h"
+#include "rounds.h"
 
 namespace ldp {
 namespace {
 
-constexpr int kLeastPosed = 3;                       // frames
-constexpr int kLeastInliers = 12;                    // observations that hold a frame in place
-constexpr double kMatched[] = {12, 5, 3};            // tolerances of the rounds on matches, pixels of 800
-constexpr double kFollowed[] = {4, 2};               // and on followed points
-constexpr double kNearArc = 0.02, kAboutArc = 0.05;  // sigma of the arc prior at first and later: what walks by is told
-                                                     // from what stands as long as cameras are kept near their circle
-constexpr double kFarArc = 0.2;                      // for hands that leave it
-constexpr double kOverrules = 1.1;                   // by so much more must cameras off the circle explain
-constexpr double kNoArc = 1e3;                       // for paths that are none
-constexpr double kBetter = 1.2;                      // by so much more must other motion explain to be preferred
-constexpr double kBetterArc = 1.05;                  // the same where it turns out to be an arc after all
-constexpr double kTornMatches = 0.05;                // of all matches, in pairs that do not hold
-constexpr double kTorn = 0.3, kTornPixels = 12;      // share of a pair's matches that must agree within so many
-                                                     // pixels of 800 for it to hold
-constexpr double kEnough = 0.75;  // share of the observations that must fit, else other motion is tried
-constexpr double kLossOfTolerance = 0.3, kLargestLoss = 0.8;  // pixels of 800
-constexpr double kFollowedLoss = 0.7;  // of that, on followed points: most are far better than the few that are not
-constexpr size_t kRich = 1000;         // observations per frame that make a second look for matches needless
-constexpr int kThin = 250;             // and those that do for the first rounds, the longest tracks first
-constexpr int kHeld = 150;             // followed observations that a frame is content with
-constexpr double kMatchedPairs = 0.2, kFollowedPairs = 0.05;  // weights of points that two photos see, in the rounds
-                                                              // before the last: some move, and two photos of what
-                                                              // moves agree on cameras that a third tells wrong
+constexpr int kLeastPosed = 3;                   // frames
+constexpr int kLeastInliers = 12;                // observations that hold a frame in place
+constexpr double kOverrules = 1.1;               // by so much more must cameras off the circle explain
+constexpr double kBetter = 1.2;                  // by so much more must other motion explain to be preferred
+constexpr double kBetterArc = 1.05;              // the same where it turns out to be an arc after all
+constexpr double kTornMatches = 0.05;            // of all matches, in pairs that do not hold
+constexpr double kTorn = 0.3, kTornPixels = 12;  // share of a pair's matches that must agree within so many
+                                                 // pixels of 800 for it to hold
+constexpr double kEnough = 0.75;                 // share of the observations that must fit, else other motion is tried
+constexpr size_t kRich = 1000;                   // observations per frame that make a second look for matches needless
+constexpr int kThin = 250;                       // and those that do for the first rounds, the longest tracks first
 constexpr double kStillHolds = 0.9;  // share of the matches explained before that a round on followed points must keep
-constexpr double kRough = 1e-4, kFine = 1e-6;  // where rounds end whose points the next places anew, and the others
-constexpr double kLoner = 12;  // pixels of 800 of parallax that a point of two photos may differ from all around
 constexpr double kSteady[] = {0.02, 0.01, 0.02};  // sigmas of the arc prior in rounds that ask for a steadier hand
 constexpr double kSteadyHand = 1.0 / 3;           // share of what is explained that may be given for steadiness
 constexpr int kMostFollowed = 4;                  // rounds on followed points at the wider tolerance, until the focal
@@ -108,82 +91,6 @@ std::vector<Track> connected(const std::vector<Track>& tracks, const std::vector
   return result;
 }
 
-std::vector<int> observations_by_frame(const Reconstruction& r) {
-  std::vector<int> held(r.dropped.size(), 0);
-  for (const BundleObservation& o : r.bundle.observations) ++held[static_cast<size_t>(o.camera)];
-  return held;
-}
-
-bool is_followed(double tolerance) { return tolerance == kFollowed[0] || tolerance == kFollowed[1]; }
-
-class Rounds {
- public:
-  Rounds(const MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job) : sweep_(sweep), job_(job) {
-    options_.focal_prior = focal;
-  }
-
-  void set_model(Model model) { options_.model = model; }
-  void forget_the_arc() { least_sigma_ = kNoArc; }
-  void leave_the_arc() { least_sigma_ = kFarArc; }
-  void stay_on_the_arc() { least_sigma_ = 0; }
-  bool on_an_arc() const { return least_sigma_ < kNoArc && options_.model != Model::rotation; }
-  void let_pairs_count() { pairs_count_ = true; }
-
-  // Places what agrees and adjusts everything to it.
-  void round(const std::vector<Track>& tracks, double tolerance, double arc_sigma, Reconstruction& r) {
-    place(tracks, tolerance, r);
-    if (tolerance <= kFollowed[0] && options_.model != Model::rotation) leave_out_loners(r);
-    const double loss = sweep_.pixels(std::min(kLossOfTolerance * tolerance, kLargestLoss));
-    options_.loss_px = (is_followed(tolerance) ? kFollowedLoss : 1) * loss;
-    options_.arc_sigma = std::max(arc_sigma, least_sigma_);
-    options_.pair_weight = pairs_count_ || tolerance == kFollowed[1] ? 1
-                           : tolerance == kFollowed[0]               ? kFollowedPairs
-                                                                     : kMatchedPairs;
-    options_.settled = tolerance > kMatched[2] ? kRough : kFine;
-
-    cost_ = adjust(r.bundle, options_, job_).cost;
-  }
-
-  // Whether the lens bends lines, by the observations of the last round.
-  void decide_distortion(Reconstruction& r, double variances) {
-    if (options_.refine_distortion) return;
-    std::optional<Bundle> bent = bent_lens(r.bundle, options_, cost_, variances, job_);
-    if (!bent) return;
-    r.bundle = std::move(*bent);
-    options_.refine_distortion = true;
-  }
-
-  void place(const std::vector<Track>& tracks, double tolerance, Reconstruction& r) {
-    r.tracks = place_good(tracks, sweep_.pixels(tolerance), options_.model == Model::rotation, r.bundle, job_);
-  }
-
- private:
-  // Where a frame has more than a few.
-  void leave_out_loners(Reconstruction& r) const {
-    const std::vector<bool> alone = loners(r.tracks, r.bundle, sweep_.pixels(kLoner));
-    const std::vector<int> held = observations_by_frame(r);
-    std::vector<Track> kept;
-    Bundle bundle = r.bundle;
-    bundle.points.clear();
-    bundle.observations.clear();
-    for (size_t i = 0; i < alone.size(); ++i) {
-      const auto poor = [&](const Observation& o) { return held[static_cast<size_t>(o.frame)] < kHeld; };
-      if (alone[i] && std::none_of(r.tracks[i].begin(), r.tracks[i].end(), poor)) continue;
-      add_point(r.tracks[i], r.bundle.points[i], bundle);
-      kept.push_back(std::move(r.tracks[i]));
-    }
-    r.tracks = std::move(kept);
-    r.bundle = std::move(bundle);
-  }
-
-  const MatchedSweep& sweep_;
-  const Job& job_;
-  BundleOptions options_;
-  bool pairs_count_ = false;  // as much as points that a third photo confirms
-  double least_sigma_ = 0;
-  double cost_ = 0;
-};
-
 // Frames that hardly anything holds are dropped, with what they see.
 void drop_unheld(Reconstruction& r) {
   const std::vector<int> held = observations_by_frame(r);
@@ -245,20 +152,34 @@ void settle(const MatchedSweep& sweep, const std::vector<Track>& matched, Rounds
   }
 }
 
-// What walks by between two photos agrees with a step that nobody took. Cameras are put back on their sphere and held
-// near it while what agrees with them gathers; the hand that is steadier, for what it explains, stays.
-void try_steadier_hand(const MatchedSweep& sweep, const std::vector<Track>& tracks, Rounds rounds, const Job& job,
-                       Reconstruction& result) {
-  if (!rounds.on_an_arc()) return;
+// Cameras put back on their sphere and held near it while what agrees with them gathers.
+void steady(const MatchedSweep& sweep, const std::vector<Track>& tracks, Rounds rounds, Reconstruction& r) {
   rounds.stay_on_the_arc();
-  Reconstruction other = result;
-  for (Pose& pose : other.bundle.cameras) pose.centre = pose.world_from_camera.col(2);
+  for (Pose& pose : r.bundle.cameras) pose.centre = pose.world_from_camera.col(2);
   const std::vector<Track> thin = longest_tracks(tracks, sweep.frames(), kThin);
   for (size_t i = 0; i < std::size(kSteady); ++i)
-    rounds.round(i + 1 < std::size(kSteady) ? thin : tracks, kMatched[i], kSteady[i], other);
-  const double steadier = 1 - unsteadiness(other.dropped, other.bundle) / unsteadiness(result.dropped, result.bundle);
-  if (explained(sweep, tracks, other, job) >= (1 - kSteadyHand * steadier) * explained(sweep, tracks, result, job))
-    result = std::move(other);
+    rounds.round(i + 1 < std::size(kSteady) ? thin : tracks, kMatched[i], kSteady[i], r);
+}
+
+// The last round on matches. What walks by between two photos agrees with a step that nobody took: the same is tried
+// with a steadier hand, at the same time (and again if the lens turns out to bend), and the hand that is steadier, for
+// what it explains, stays.
+void last_matched_round(const MatchedSweep& sweep, const std::vector<Track>& tracks, Rounds& rounds, const Job& job,
+                        Reconstruction& result) {
+  const bool on_an_arc = rounds.on_an_arc();
+  Reconstruction steadied = result;
+  const Rounds before = rounds;
+  parallel_for(job, on_an_arc ? 2 : 1, [&](int which) {
+    if (which == 1) return steady(sweep, tracks, before, steadied);
+    rounds.round(tracks, kMatched[2], kAboutArc, result);
+    rounds.decide_distortion(result);
+  });
+  if (!on_an_arc) return;
+  if (rounds.bent() && !before.bent()) steady(sweep, tracks, rounds, steadied = result);
+  const double steadier =
+      1 - unsteadiness(steadied.dropped, steadied.bundle) / unsteadiness(result.dropped, result.bundle);
+  if (explained(sweep, tracks, steadied, job) >= (1 - kSteadyHand * steadier) * explained(sweep, tracks, result, job))
+    result = std::move(steadied);
 }
 
 // Cameras near their circle, unless the data overrule it.
@@ -266,8 +187,10 @@ void first_round(const MatchedSweep& sweep, const std::vector<Track>& tracks, Ro
                  Reconstruction& result) {
   const std::vector<Track> thin = longest_tracks(tracks, sweep.frames(), kThin);
   Reconstruction off = result;
-  rounds.round(thin, kMatched[0], kNearArc, result);
-  rounds.round(thin, kMatched[0], kFarArc, off);
+  Rounds off_rounds = rounds;
+  parallel_for(job, 2, [&](int which) {
+    which == 0 ? rounds.round(thin, kMatched[0], kNearArc, result) : off_rounds.round(thin, kMatched[0], kFarArc, off);
+  });
   if (explained(sweep, tracks, off, job) < kOverrules * explained(sweep, tracks, result, job)) return;
   result = std::move(off);
   rounds.leave_the_arc();
@@ -347,12 +270,10 @@ Reconstruction reconstruct(MatchedSweep& sweep, const std::optional<FocalPrior>&
     tracks = connected(build_tracks(sweep.features, pairs), result.dropped);
     rounds.round(thin(), kMatched[1], kAboutArc, result);
   }
-  rounds.round(tracks, kMatched[2], kAboutArc, result);
-  rounds.decide_distortion(result, kBends);
+  last_matched_round(sweep, tracks, rounds, job, result);
   job.report("adjusting", 0.8);
-  try_steadier_hand(sweep, tracks, rounds, job, result);
   settle(sweep, tracks, rounds, job, result);
-  rounds.decide_distortion(result, kBendsFollowed);
+  rounds.decide_distortion(result);
   job.report("adjusting", 0.9);
   followed_round(sweep, tracks, kFollowed[1], explained(sweep, tracks, result, job), rounds, job, result);
   drop_unheld(result);

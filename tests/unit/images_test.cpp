@@ -171,6 +171,7 @@ TEST(Photo, OrientationAndFocalLengthComeFromExif) {
     EXPECT_EQ(read_image_size(folder / "a.jpg"), photo.full_size);
     ASSERT_TRUE(photo.focal_hint);
     EXPECT_NEAR(*photo.focal_hint, 1.0, 1e-9);
+    EXPECT_EQ(read_focal_hint(folder / "a.jpg"), photo.focal_hint);
     // Where the stored top left corner (red 0, green 0) and the stored top right (red 255) are to be seen.
     const int right = photo.image.width - 1;
     const int bottom = photo.image.height - 1;
