@@ -208,4 +208,22 @@ PanoramaGrid lay_grid(const Arc& arc, const std::vector<Camera>& cameras, const 
   return grid;
 }
 
+int columns_of_colour(const PanoramaGrid& grid, const std::vector<ScenePoint>& points) {
+  constexpr int kMost = 2;  // with 3, evaluations of close sweeps are no better and files larger
+  std::vector<double> inverse;
+  for (const ScenePoint& point : points) {
+    const double w = locate(grid, point.position).inverse_depth;
+    if (w >= 0) inverse.push_back(w);
+  }
+  if (inverse.empty()) return 1;
+  const double w = rounded(percentile(inverse, 0.5), kRangeBits, grid.w_near);
+  return std::clamp(static_cast<int>((grid.ray_radius() * w + 1) * grid.theta_pitch / grid.v_pitch), 1, kMost);
+}
+
+PanoramaGrid with_finer_columns(PanoramaGrid grid, int times) {
+  grid.width *= times;
+  grid.theta_pitch /= times;
+  return grid;
+}
+
 }  // namespace ldp

@@ -84,6 +84,7 @@ class Build {
     } else {
       for (int iteration = 1; iteration <= options_.iterations; ++iteration) find_layers(iteration);
     }
+    split_columns();
     choose_photographs();
     return assemble();
   }
@@ -117,8 +118,10 @@ class Build {
       grid_ = lay_grid(report_.arc.arc, poses_.cameras, poses_.points, options);
       const Intrinsics& k = poses_.cameras.front().intrinsics;
       const size_t photo_px = static_cast<size_t>(k.width) * static_cast<size_t>(k.height);
-      const ExpectedMemory needed = expected_memory(
-          grid_, photo_px, upright_pixels(poses_.cameras, report_.arc.arc, options.pitch_px), options_.layers);
+      columns_of_colour_ = columns_of_colour(grid_, poses_.points);
+      const ExpectedMemory needed =
+          expected_memory(grid_, columns_of_colour_, photo_px,
+                          upright_pixels(poses_.cameras, report_.arc.arc, options.pitch_px), options_.layers);
       if (needed.all > allowed && !std::exchange(tried_scratch, true)) open_scratch(allowed);
       if (options_.memory_bytes == 0 || (scratch_ ? needed.least : needed.all) <= allowed) {
         if (options.pitch_px > 1)
@@ -253,6 +256,13 @@ class Build {
     return std::move(labelling.labels);
   }
 
+  // What follows is done on the grid on which colours are stored.
+  void split_columns() {
+    if (columns_of_colour_ == 1) return;
+    for (DisparityMap& layer : layers_) layer = with_finer_columns(layer, columns_of_colour_, grid_.wraps);
+    grid_ = with_finer_columns(grid_, columns_of_colour_);
+  }
+
   void choose_photographs() {
     pictures_.visibility("visibility", visibility_);
     for (size_t k = 0; k < layers_.size(); ++k) {
@@ -374,6 +384,7 @@ class Build {
   std::unique_ptr<ScratchSpace> scratch_;
   Poses poses_;
   PanoramaGrid grid_;
+  int columns_of_colour_ = 1;  // to each of the columns in which depths are found
   std::vector<UprightFrame> upright_;
   bool last_ = true;  // is this the last iteration?
   std::vector<DisparityMap> layers_;

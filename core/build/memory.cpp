@@ -16,14 +16,16 @@ constexpr size_t kHeldPixel = 3, kArraysInWork = 8'000'000;  // beside a scratch
 
 }  // namespace
 
-ExpectedMemory expected_memory(const PanoramaGrid& grid, size_t photo_px, size_t upright_px, int layers) {
+ExpectedMemory expected_memory(const PanoramaGrid& grid, int columns_of_colour, size_t photo_px, size_t upright_px,
+                               int layers) {
   const auto height = static_cast<size_t>(grid.height), count = static_cast<size_t>(layers);
-  const size_t panorama_px = static_cast<size_t>(grid.width) * height;
+  const size_t panorama_px = static_cast<size_t>(grid.width) * height,
+               stored_px = panorama_px * static_cast<size_t>(columns_of_colour);
   const size_t always = kProgram + kPhotoPixel * photo_px, strip = kSolver + kStripRow * height;
   const size_t solving = strip + kUprightPixel * upright_px + (kDisparity * count + kSolvedPixel) * panorama_px;
-  const size_t colouring = (kColouredLayerPixel * count + kSeams) * panorama_px;  // the upright frames are gone by then
+  const size_t colouring = (kColouredLayerPixel * count + kSeams) * stored_px;  // the upright frames are gone by then
   const size_t all = always + std::max(solving, colouring);
-  return {all, std::min(all, always + strip + kHeldPixel * panorama_px + kArraysInWork)};
+  return {all, std::min(all, always + strip + kHeldPixel * stored_px + kArraysInWork)};
 }
 
 }  // namespace ldp

@@ -76,6 +76,9 @@ void fit_outlines(const PanoramaGrid& grid, const std::vector<UprightFrame>& fra
 // on there.
 void drop_specks(int least, bool wraps, DisparityMap& layer);
 
+// The layer on a grid of `times` as many columns: between the middles of columns on one surface disparity is linear.
+DisparityMap with_finer_columns(const DisparityMap& layer, int times, bool wraps);
+
 // The costs of `inner`, with pixels of `want` marked kBoundary held at the label of `surface`.
 class BoundaryCosts final : public CostSource {
  public:

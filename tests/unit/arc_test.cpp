@@ -206,5 +206,30 @@ TEST(LayGrid, GivenDepthsRule) {
   EXPECT_THROW(lay_grid(grid.arc, cameras, {}, options), std::logic_error);
 }
 
+TEST(ColumnsOfColour, AreTwoWhereMostPointsLieWithinOneRadiusOfTheArc) {
+  const std::vector<Camera> cameras = sweep({});
+  const Arc arc = fit_arc(cameras, ArcOptions{}).arc;
+  const auto columns = [&](double depth_in_radii, Rays rays) {
+    GridOptions options;
+    options.rays = rays;
+    const std::vector<ScenePoint> points = shell(depth_in_radii * arc.radius, depth_in_radii * arc.radius);
+    return columns_of_colour(lay_grid(arc, cameras, points, options), points);
+  };
+  EXPECT_EQ(columns(1.1, Rays::pushbroom), 1);
+  EXPECT_EQ(columns(0.8, Rays::pushbroom), 2);
+  EXPECT_EQ(columns(0.3, Rays::pushbroom), 2);  // at most
+  EXPECT_EQ(columns(0.3, Rays::central), 1);    // those rays start where the photos were taken, nearly
+  EXPECT_EQ(columns_of_colour(lay_grid(arc, cameras, {}, GridOptions{}), {}), 1);
+}
+
+TEST(FinerColumns, CoverTheSamePanorama) {
+  const std::vector<Camera> cameras = sweep({});
+  const PanoramaGrid grid = lay_grid(fit_arc(cameras, ArcOptions{}).arc, cameras, shell(1, 10), GridOptions{});
+  const PanoramaGrid finer = with_finer_columns(grid, 2);
+  EXPECT_EQ(finer.width, 2 * grid.width);
+  EXPECT_NEAR(finer.theta(finer.width), grid.theta(grid.width), 1e-12);
+  EXPECT_EQ(finer.height, grid.height);
+}
+
 }  // namespace
 }  // namespace ldp

@@ -337,4 +337,23 @@ TEST(DropSpecks, RemovesPartsOfFewerPixelsAndNoOthers) {
   EXPECT_EQ(closed.samples, expected.samples);
 }
 
+DisparityMap row(const std::vector<uint16_t>& samples) {
+  DisparityMap map(static_cast<int>(samples.size()), 1);
+  std::copy(samples.begin(), samples.end(), map.samples.begin());
+  return map;
+}
+
+TEST(FinerColumns, LieOnTheLineBetweenColumnsOfOneSurfaceAndOnTheirOwnBesideAnother) {
+  const auto far = static_cast<uint16_t>(140 + kLabelSteps);  // another surface
+  const DisparityMap layer = row({100, 140, far, kNoDisparity}), finer = with_finer_columns(layer, 2, false);
+  EXPECT_EQ(finer, row({100, 110, 130, 140, far, far, kNoDisparity, kNoDisparity}));
+  EXPECT_EQ(with_finer_columns(layer, 1, false), layer);
+}
+
+TEST(FinerColumns, GoOnAcrossTheSeam) {
+  const DisparityMap layer = row({100, 140});
+  EXPECT_EQ(with_finer_columns(layer, 2, true), row({110, 110, 130, 130}));
+  EXPECT_EQ(with_finer_columns(layer, 2, false), row({100, 110, 130, 140}));
+}
+
 }  // namespace ldp
