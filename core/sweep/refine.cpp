@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "job.h"
+#include "membrane.h"
 #include "smooth.h"
 #include "tables.h"
 
@@ -92,15 +93,17 @@ class FineMinimum final : public SlabSink {
   std::vector<int16_t> previous_, best_, before_, after_, step_, grey_;
 };
 
-// Lowest point of the parabola through three neighbouring costs, as disparity.
+// Of the parabola through three neighbouring costs; 0 where the least has not both neighbours.
+int curvature(const FineMinimum::Ray& ray) {
+  return ray.before != kNone && ray.after != kNone ? ray.before + ray.after - 2 * ray.best : 0;
+}
+
+// Its lowest point, as disparity.
 uint16_t fitted(const FineMinimum::Ray& ray, int fine_steps) {
   int64_t numerator = int64_t{ray.step} * kDisparitySteps, denominator = fine_steps;
-  if (ray.before != kNone && ray.after != kNone) {
-    const int curvature = ray.before + ray.after - 2 * ray.best;
-    if (curvature > 0) {
-      numerator = (2 * int64_t{ray.step} * curvature + ray.before - ray.after) * kDisparitySteps;
-      denominator = 2 * int64_t{curvature} * fine_steps;
-    }
+  if (const int bend = curvature(ray); bend > 0) {
+    numerator = (2 * int64_t{ray.step} * bend + ray.before - ray.after) * kDisparitySteps;
+    denominator = 2 * int64_t{bend} * fine_steps;
   }
   return static_cast<uint16_t>(
       std::clamp<int64_t>((2 * numerator + denominator) / (2 * denominator), 0, kDisparitySteps));
@@ -115,7 +118,7 @@ DisparityMap refine(const Sweep& sweep, const Plane<uint8_t>& labels, const Plan
 DisparityMap Sweep::refine(const Plane<uint8_t>& labels, const Plane<uint8_t>& mask, const Job& job) const {
   Tables& t = *tables_;
   DisparityMap disparity(labels.width, labels.height, kNoDisparity);
-  Plane<uint8_t> grey(labels.width, labels.height);
+  Plane<uint8_t> grey(labels.width, labels.height), firmness(labels.width, labels.height);
   const int across = (labels.width + kTileWidth - 1) / kTileWidth,
             down = (labels.height + kTileHeight - 1) / kTileHeight;
   const int fine_steps = kFine * (t.options.labels - 1);
@@ -139,9 +142,11 @@ DisparityMap Sweep::refine(const Plane<uint8_t>& labels, const Plane<uint8_t>& m
         if (!minimum.wanted(i)) continue;
         disparity.at(column, row) = fitted(minimum.ray(i), fine_steps);
         grey.at(column, row) = minimum.ray(i).grey;
+        firmness.at(column, row) = static_cast<uint8_t>(std::clamp(curvature(minimum.ray(i)), 0, 255));
       }
   });
-  return smooth(disparity, grey, t.grid.wraps, job);
+  disparity = smooth(disparity, grey, t.grid.wraps, job);
+  return weak_membrane(disparity, firmness, grey, kDisparitySteps / (t.options.labels - 1), t.grid.wraps, job);
 }
 
 }  // namespace ldp

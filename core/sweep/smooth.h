@@ -1,6 +1,6 @@
 // Edge-preserving smoothing of disparity: the median of a window, its pixels weighted by how alike their greys are,
 // then the mean of what lies beside that median. Outlines move to the image's edges, and surfaces lose the noise of
-// matching; where the guide is plain once more. (Weighted median filters for stereo: Ma et al., ICCV 2013.)
+// matching. (Weighted median filters for stereo: Ma et al., ICCV 2013.)
 #pragma once
 
 #include "disparity.h"

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "kernels.h"
+#include "membrane.h"
 #include "simple_capture.h"
 #include "smooth.h"
 
@@ -324,40 +325,87 @@ TEST(Smooth, MovesAnOutlineToTheEdgeOfTheImageAndRemovesNoise) {
     for (int x = 6; x < 54; ++x) ASSERT_NEAR(out.at(x, y), x < 30 ? 3000 : 600, 8) << x << "," << y;
 }
 
-// What smoothing leaves of noise as coarse as its window, as a mean square. `dots`: the guide is plain but for them.
-double left_of_coarse_noise(bool dots) {
-  DisparityMap disparity(96, 96);
-  Plane<uint8_t> guide(96, 96, 100);
-  std::mt19937 random(3);
-  for (int y = 0; y < 96; y += 8)
-    for (int x = 0; x < 96; x += 8) {
-      const auto value = static_cast<uint16_t>(1000 + random() % 120);
-      for (int row = y; row < y + 8; ++row) std::fill_n(disparity.row(row) + x, 8, value);
-    }
-  for (int y = 0; dots && y < 96; y += 5)
-    for (int x = 0; x < 96; x += 5) guide.at(x, y) = 160;
-  const DisparityMap out = smooth(disparity, guide, false, {});
-  double sum = 0, squares = 0;
-  int count = 0;
-  for (int y = 10; y < 86; ++y)
-    for (int x = 10; x < 86; ++x) {
-      if (guide.at(x, y) != 100) continue;
-      sum += out.at(x, y), squares += out.at(x, y) * out.at(x, y);
-      ++count;
-    }
-  return squares / count - sum / count * sum / count;
-}
-
-TEST(Smooth, WhereThePictureIsPlainSmoothsOnceMore) {
-  EXPECT_LT(left_of_coarse_noise(false), 0.75 * left_of_coarse_noise(true));
-}
-
 TEST(Smooth, LooksAcrossTheSeamOfAGridThatWraps) {
   DisparityMap disparity(40, 12, 1000);
   const Plane<uint8_t> guide(40, 12, 100);
   for (int y = 0; y < 12; ++y) std::fill(disparity.row(y), disparity.row(y) + 5, uint16_t{2000});
   EXPECT_EQ(smooth(disparity, guide, false, {}).at(0, 6), 2000);  // 5 of the 6 columns that it sees
   EXPECT_EQ(smooth(disparity, guide, true, {}).at(0, 6), 1000);   // 5 of 11
+}
+
+constexpr int kLabelSteps = 255;
+
+// Noise of a third of a label everywhere, but a column every 20 that is known.
+struct NoisyPlane {
+  DisparityMap disparity{96, 48};
+  Plane<uint8_t> firmness{96, 48, 0}, guide{96, 48, 100};
+
+  NoisyPlane() {
+    std::mt19937 random(3);
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 96; ++x) {
+        const bool known = x % 20 == 0;
+        disparity.at(x, y) = static_cast<uint16_t>(1000 + 2 * x + (known ? 0 : static_cast<int>(random() % 170) - 85));
+        firmness.at(x, y) = known ? 255 : 1;
+      }
+  }
+  double error() const {
+    const DisparityMap out = weak_membrane(disparity, firmness, guide, kLabelSteps, false, {});
+    double squares = 0;
+    for (int y = 8; y < 40; ++y)
+      for (int x = 8; x < 88; ++x) squares += (out.at(x, y) - 1000 - 2 * x) * (out.at(x, y) - 1000 - 2 * x);
+    return std::sqrt(squares / (32 * 80));
+  }
+};
+
+TEST(WeakMembrane, WhatIsKnownDrawsWhatIsNotWhereThePictureIsPlain) {
+  NoisyPlane plane;
+  EXPECT_LT(plane.error(), 12);  // of a noise of 49; without the known columns it is more than that
+  for (int y = 0; y < 48; y += 5)
+    for (int x = 0; x < 96; x += 5) plane.guide.at(x, y) = 160;  // no longer plain: ties break at a sixth of a label
+  EXPECT_GT(plane.error(), 20);
+}
+
+TEST(WeakMembrane, BreaksAtDepthEdgesAndAtEdgesOfTheImage) {
+  DisparityMap disparity(40, 12, 1000);
+  const Plane<uint8_t> firmness(40, 12, 8);
+  Plane<uint8_t> guide(40, 12, 100);
+  for (int y = 0; y < 12; ++y) {
+    std::fill(disparity.row(y) + 20, disparity.row(y) + 40, static_cast<uint16_t>(1000 + kLabelSteps + 1));
+    std::fill(guide.row(y) + 10, guide.row(y) + 20, uint8_t{200});
+    std::fill(disparity.row(y) + 10, disparity.row(y) + 20, uint16_t{1030});  // less than ties bear
+  }
+  EXPECT_EQ(weak_membrane(disparity, firmness, guide, kLabelSteps, false, {}), disparity);
+}
+
+TEST(WeakMembrane, LeavesAbsentPixelsAndGoesOnAcrossTheSeam) {
+  DisparityMap disparity(30, 8, 1000);
+  for (int y = 0; y < 8; ++y) {
+    disparity.at(29, y) = 1100;
+    disparity.at(14, y) = kNoDisparity;
+  }
+  Plane<uint8_t> firmness(30, 8, 1);
+  const Plane<uint8_t> guide(30, 8, 100);
+  const DisparityMap open = weak_membrane(disparity, firmness, guide, kLabelSteps, false, {}),
+                     closed = weak_membrane(disparity, firmness, guide, kLabelSteps, true, {});
+  EXPECT_EQ(open.at(14, 3), kNoDisparity);
+  EXPECT_EQ(open.at(0, 3), 1000);
+  EXPECT_GT(closed.at(0, 3), 1005);
+  EXPECT_EQ(closed.at(15, 3), closed.at(15, 4));
+}
+
+TEST(WeakMembrane, IsTheSameAtAnyThreadCountAndStopsWhenAsked) {
+  const NoisyPlane plane;
+  Job one, eight;
+  one.threads = 1, eight.threads = 8;
+  const auto result = [&](const Job& job) {
+    return weak_membrane(plane.disparity, plane.firmness, plane.guide, kLabelSteps, false, job);
+  };
+  EXPECT_EQ(result(one), result(eight));
+  std::stop_source source;
+  source.request_stop();
+  one.stop = source.get_token();
+  EXPECT_THROW(result(one), Cancelled);
 }
 
 }  // namespace
