@@ -48,7 +48,7 @@ class Membrane {
         width_(disparity.width),
         height_(disparity.height),
         right_(width_, height_, 0),
-        below_(width_, height_, 0),
+        above_(width_, height_ + 1, 0),
         now_(width_, height_),
         next_(width_, height_) {
     by_rows([&](int first, int last) { tie(first, last); });
@@ -90,7 +90,7 @@ class Membrane {
           return plain.at(x, y - first) && plain.at(nx, ny - first) ? tie | kPlain : tie;
         };
         if (x + 1 < width_ || wraps_) right_.at(x, y) = to(x + 1 < width_ ? x + 1 : 0, y);
-        if (y + 1 < height_) below_.at(x, y) = to(x, y + 1);
+        if (y + 1 < height_) above_.at(x, y + 1) = to(x, y + 1);
       }
   }
 
@@ -123,26 +123,49 @@ class Membrane {
   }
 
   void settle_row(int y) {
-    const uint16_t *own = now_.row(y), *up = now_.row(y > 0 ? y - 1 : y), *down = now_.row(y + 1 < height_ ? y + 1 : y);
-    const uint8_t *right = right_.row(y), *below = below_.row(y), *above = y > 0 ? below_.row(y - 1) : nullptr;
-    const uint16_t* held = held_.row(y);
-    for (int x = 0; x < width_; ++x) {
-      if (held[x] == kNoDisparity) continue;
-      const int before = x > 0 ? x - 1 : width_ - 1, after = x + 1 < width_ ? x + 1 : 0;
-      uint32_t total = firmness_.at(x, y), sum = total * held[x] * kFraction;
-      const auto draw = [&](uint8_t tie, uint16_t towards) {
-        const int reach = tie >= kPlain ? plain_reach_ : reach_;
-        const uint32_t weight = std::abs(towards - own[x]) <= reach ? tie & (kPlain - 1) : 0;
+    const Row row{now_.row(y),
+                  now_.row(std::max(0, y - 1)),
+                  now_.row(std::min(height_ - 1, y + 1)),
+                  held_.row(y),
+                  firmness_.row(y),
+                  right_.row(y),
+                  above_.row(y),
+                  above_.row(y + 1),
+                  reach_,
+                  plain_reach_ - reach_,
+                  next_.row(y)};
+    row.settle(0, width_ - 1, std::min(1, width_ - 1));
+    for (int x = 1; x < width_ - 1; ++x) row.settle(x, x - 1, x + 1);
+    if (width_ > 1) row.settle(width_ - 1, width_ - 2, 0);
+  }
+
+  // What a round looks at in one row.
+  struct Row {
+    const uint16_t *own, *up, *down, *held;
+    const uint8_t *firmness, *right, *above, *below;
+    int reach, more_where_plain;
+    uint16_t* next;
+
+    // Without branches, for vectors; absent pixels come to nothing that anybody is tied to. Sums stay below 2^24, so
+    // that floats hold them exactly.
+    void settle(int x, int before, int after) const {
+      int total = firmness[x], sum = total * held[x] * kFraction;
+      const auto draw = [&](int tie, int towards) {
+        const int apart = towards > own[x] ? towards - own[x] : own[x] - towards;
+        const int bears = reach + (tie >> 7) * more_where_plain, weight = apart <= bears ? tie & (kPlain - 1) : 0;
         sum += weight * towards;
         total += weight;
       };
       draw(right[before], own[before]);
       draw(right[x], own[after]);
-      draw(above != nullptr ? above[x] : 0, up[x]);
+      draw(above[x], up[x]);
       draw(below[x], down[x]);
-      next_.at(x, y) = total > 0 ? static_cast<uint16_t>((sum + total / 2) / total) : own[x];
+      const int free = total == 0;  // stays where it is
+      sum += free * own[x];
+      total += free;
+      next[x] = static_cast<uint16_t>(static_cast<int>(static_cast<float>(sum) / static_cast<float>(total) + 0.5F));
     }
-  }
+  };
 
   const DisparityMap& held_;
   const Plane<uint8_t>&firmness_, &guide_;
@@ -150,8 +173,9 @@ class Membrane {
   bool wraps_;
   const Job& job_;
   int width_, height_;
-  Plane<uint8_t> right_, below_;  // ties; 0 where there is no neighbour
-  Plane<uint16_t> now_, next_;    // in parts of a disparity step
+  Plane<uint8_t> right_,
+      above_;                   // ties to the pixel on the right, to the one above (a row more); 0 where there is none
+  Plane<uint16_t> now_, next_;  // in parts of a disparity step
 };
 
 }  // namespace
