@@ -181,7 +181,7 @@ void CaptureSession::check_deadlines(int64_t now_ns) {
 // --- events and actions ----------------------------------------------------------------------------------------------
 
 void CaptureSession::handle(Event event, const std::string& why) {
-  const Transition transition = next(phase_, event, config_.mode);
+  const Transition transition = next(phase_, event, mode_of(config_));
   const bool changed = transition.phase != phase_;
   phase_ = transition.phase;
   if (changed) rest_at_ns_ = phase_ == Phase::done || phase_ == Phase::failed ? monotonic_now_ns() + kRest_ns : 0;
@@ -293,7 +293,7 @@ void CaptureSession::continue_after_sweep() {
 std::string CaptureSession::why_so_few() const {
   if (!storage_problem_.empty()) return storage_problem_;
   if (end_reason_ != kEndedByButton && end_reason_ != kFull) return end_reason_;
-  const bool hold = config_.mode == ButtonMode::hold;
+  const bool hold = mode_of(config_) == ButtonMode::hold;
   return "the sweep lasted " + seconds_text(static_cast<double>(sweep_end_ns_ - sweep_begin_ns_) * 1e-9) +
          " and turned by " + std::to_string(std::lround(covered_rad_ * kDegrees)) +
          " degrees: " + (hold ? "hold the button while you turn" : "press, turn") +

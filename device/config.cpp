@@ -25,6 +25,14 @@ bool is_among(const std::string& word, const char* words) {
   return false;
 }
 
+bool can_be_held(const std::string& button) { return !button.starts_with("keyboard:"); }
+
+// Empty = good. Only a mode that was given can be wrong.
+std::string wrong_mode(const Config& config) {
+  if (config.mode != ButtonMode::hold || can_be_held(config.button)) return {};
+  return "a terminal does not tell when a key is let go: keyboard: needs the mode toggle";
+}
+
 struct Key {
   std::string name;  // "sweep.overlap"
   std::string comment;
@@ -118,16 +126,18 @@ Key flag_key(std::string name, std::string comment, bool Config::*field) {
 }
 
 Key mode_key() {
-  return {
-      "sweep.mode",
-      "hold: the sweep lasts as long as the button is held; toggle: press to begin, press to end, 3 s cancel",
-      [](const toml::node& node, Config& config) -> std::string {
-        const auto value = node.value_exact<std::string>();
-        if (value != "toggle" && value != "hold") return "expected \"toggle\" or \"hold\"";
-        config.mode = value == "hold" ? ButtonMode::hold : ButtonMode::toggle;
-        return {};
-      },
-      [](const Config& config) { return quoted(std::string(config.mode == ButtonMode::hold ? "hold" : "toggle")); }};
+  return {"sweep.mode",
+          "hold: the sweep lasts as long as the button is held; toggle: press to begin, press to end, 3 s cancel; "
+          "left out: hold, with keyboard: toggle",
+          [](const toml::node& node, Config& config) -> std::string {
+            const auto value = node.value_exact<std::string>();
+            if (value != "toggle" && value != "hold") return "expected \"toggle\" or \"hold\"";
+            config.mode = value == "hold" ? ButtonMode::hold : ButtonMode::toggle;
+            return {};
+          },
+          [](const Config& config) {
+            return quoted(std::string(mode_of(config) == ButtonMode::hold ? "hold" : "toggle"));
+          }};
 }
 
 // In the order in which they are printed.
@@ -172,6 +182,13 @@ class Reader {
     for (const Key& key : all_keys()) keys_[key.name] = &key;
   }
 
+  void read_all(const toml::table& table) {
+    read(table, "");
+    const std::string wrong = wrong_mode(checked_.config);
+    if (!wrong.empty()) checked_.mistakes.push_back({mode_line_, "sweep.mode: " + wrong});
+  }
+
+ private:
   void read(const toml::table& table, const std::string& prefix) {
     for (const auto& [name, node] : table) {
       const std::string full = prefix + std::string(name.str());
@@ -185,23 +202,26 @@ class Reader {
         add(name.source(), "unknown " + std::string(section != nullptr ? "section" : "key") + " '" + full + "'");
         continue;
       }
+      if (full == "sweep.mode") mode_line_ = line_of(node.source());
       const std::string wrong = key->second->read(node, checked_.config);
       if (!wrong.empty()) add(node.source(), full + ": " + wrong);
     }
   }
 
- private:
   void add(const toml::source_region& source, std::string text) {
     checked_.mistakes.push_back({line_of(source), std::move(text)});
   }
 
   CheckedConfig& checked_;
   std::map<std::string, const Key*> keys_;
+  int mode_line_ = 0;
 };
 
 }  // namespace
 
-bool can_be_held(const std::string& button) { return !button.starts_with("keyboard:"); }
+ButtonMode mode_of(const Config& config) {
+  return config.mode.value_or(can_be_held(config.button) ? ButtonMode::hold : ButtonMode::toggle);
+}
 
 std::vector<ConfigMistake> wrong_devices(const Config& config) {
   std::vector<ConfigMistake> mistakes;
@@ -211,8 +231,8 @@ std::vector<ConfigMistake> wrong_devices(const Config& config) {
   };
   check("camera", config.camera, kCameras);
   check("button", config.button, kButtons);
-  if (config.mode == ButtonMode::hold && !can_be_held(config.button))
-    mistakes.push_back({0, "button: a terminal does not tell when a key is let go: keyboard: needs the mode toggle"});
+  const std::string wrong = wrong_mode(config);
+  if (!wrong.empty()) mistakes.push_back({0, "mode: " + wrong});
   for (const std::string& status : config.status) check("status", status, kStatuses);
   return mistakes;
 }
@@ -221,7 +241,7 @@ CheckedConfig parse_config(const std::string& toml_text) {
   CheckedConfig checked;
   try {
     const toml::table table = toml::parse(toml_text);
-    Reader(checked).read(table, "");
+    Reader(checked).read_all(table);
   } catch (const toml::parse_error& error) {
     checked.mistakes.push_back({line_of(error.source()), std::string(error.description())});
   }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,8 @@ struct Config {
   std::string device_name = "layered-depth-panorama camera";
 
   // [sweep]
-  ButtonMode mode = ButtonMode::hold;
-  double overlap = 0.75;  // of neighbouring frames
+  std::optional<ButtonMode> mode;  // none: what the button can, see mode_of
+  double overlap = 0.75;           // of neighbouring frames
   int max_frames = 80;
   double max_seconds = 60;
   int min_frames = 4;  // fewer are not built
@@ -47,11 +48,10 @@ struct CheckedConfig {
   std::vector<ConfigMistake> mistakes;  // in the order of the file
 };
 
-// Whether a button of this URL tells when it is let go.
-bool can_be_held(const std::string& button);
+// The mode that was given, otherwise hold where the button tells when it is let go, and toggle where it does not.
+ButtonMode mode_of(const Config& config);
 
-// The kinds of camera, button and status, wherever they were named, and a button that cannot do what the mode asks of
-// it; line 0.
+// The kinds of camera, button and status, wherever they were named, and a mode that the button cannot do; line 0.
 std::vector<ConfigMistake> wrong_devices(const Config& config);
 
 CheckedConfig parse_config(const std::string& toml_text);

@@ -29,7 +29,8 @@ void declare(CLI::App& app, Arguments& arguments) {
                  std::string("configuration file; default ") + kDefaultConfig + " where it exists");
   app.add_option("--camera", arguments.camera, "libcamera:0, v4l2:/dev/video0, folder:DIR?fps=30, scene:NAME?fps=30");
   app.add_option("--button", arguments.button, "gpiod:name=LINE, gpiod:gpiochip0/17, script:FILE, keyboard:");
-  app.add_option("--mode", arguments.mode, "hold: while the button is held; toggle: press to begin, press to end")
+  app.add_option("--mode", arguments.mode,
+                 "hold: while the button is held; toggle: press to begin, press to end; by default what the button can")
       ->check(CLI::IsMember({"hold", "toggle"}));
   app.add_option("--status", arguments.status,
                  "lcm:udpm://239.255.76.67:7667?ttl=0, led:name=LINE, console:; several allowed");

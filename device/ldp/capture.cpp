@@ -14,7 +14,7 @@ namespace {
 
 struct CaptureCommand {
   Config config;
-  std::string mode;  // empty: as the button can
+  std::string mode;  // empty: not given
 };
 
 void refuse_used_folder(const std::string& folder) {
@@ -27,8 +27,7 @@ void refuse_used_folder(const std::string& folder) {
 int run_capture(CaptureCommand command, const Session& session) {
   Config& config = command.config;
   refuse_used_folder(config.output);
-  if (command.mode.empty()) command.mode = can_be_held(config.button) ? "hold" : "toggle";
-  config.mode = command.mode == "hold" ? ButtonMode::hold : ButtonMode::toggle;
+  if (!command.mode.empty()) config.mode = command.mode == "hold" ? ButtonMode::hold : ButtonMode::toggle;
   for (const ConfigMistake& mistake : wrong_devices(config)) throw BadInput("--" + mistake.text);
   CaptureSession capture(config, Run::capture_only, session.stop);
   const int status = capture.run();

@@ -355,7 +355,16 @@ TEST_F(LdpdTest, AKeyboardKnowsPressesOnly) {
   words[6] = "keyboard:";
   const Finished held = Process(words, room_ / "said").wait();
   EXPECT_EQ(held.status, 2);
-  EXPECT_THAT(held.said, HasSubstr("--button: a terminal does not tell when a key is let go"));
+  EXPECT_THAT(held.said, HasSubstr("--mode: a terminal does not tell when a key is let go"));
+  words.resize(words.size() - 2);
+  words.emplace_back("--print-config");
+  const Finished unsaid = Process(words, room_ / "said").wait();
+  EXPECT_EQ(unsaid.status, 0) << unsaid.said;
+  std::ofstream(room_ / "ldpd.toml") << "button = \"keyboard:\"\n[sweep]\nmode = \"hold\"\n";
+  const Finished file =
+      Process({LDPD_PROGRAM, "--config", (room_ / "ldpd.toml").string(), "--check-config"}, room_ / "said").wait();
+  EXPECT_EQ(file.status, 78);
+  EXPECT_THAT(file.said, HasSubstr("ldpd.toml:3: sweep.mode: a terminal"));
 }
 
 TEST_F(LdpdTest, TellsItsVersion) { EXPECT_EQ(Process({LDPD_PROGRAM, "--version"}, room_ / "said").wait().status, 0); }

@@ -50,6 +50,27 @@ TEST(Config, EveryMistakeIsNamedWithItsLine) {
   }
 }
 
+TEST(Config, AModeThatNobodyGaveIsWhatTheButtonCan) {
+  const auto mode = [](const std::string& text) {
+    const CheckedConfig checked = parse_config(text);
+    EXPECT_TRUE(checked.mistakes.empty() && wrong_devices(checked.config).empty()) << text;
+    return mode_of(checked.config);
+  };
+  EXPECT_EQ(mode(""), ButtonMode::hold);
+  EXPECT_EQ(mode("button = \"keyboard:\"\n"), ButtonMode::toggle);
+  EXPECT_EQ(mode("button = \"script:a\"\nsweep.mode = \"toggle\"\n"), ButtonMode::toggle);
+  const CheckedConfig held = parse_config("[sweep]\nmode = \"hold\"\noverlap = 9\n[build]\n");
+  EXPECT_EQ(held.mistakes.size(), 1U);
+  const CheckedConfig keyboard = parse_config("button = \"keyboard:\"\n[sweep]\nmode = \"hold\"\noverlap = 9\n");
+  ASSERT_EQ(keyboard.mistakes.size(), 2U);
+  EXPECT_EQ(keyboard.mistakes[0].line, 3);
+  EXPECT_THAT(keyboard.mistakes[0].text, HasSubstr("sweep.mode: a terminal"));
+  Config mixed;
+  mixed.button = "keyboard:", mixed.mode = ButtonMode::hold;
+  ASSERT_EQ(wrong_devices(mixed).size(), 1U);
+  EXPECT_THAT(wrong_devices(mixed)[0].text, HasSubstr("mode: a terminal"));
+}
+
 TEST(Config, TextThatIsNotTomlIsNamedWithItsLine) {
   const CheckedConfig checked = parse_config("camera = \"folder:x\"\noverlap = = 3\n");
   ASSERT_EQ(checked.mistakes.size(), 1U);
