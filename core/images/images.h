@@ -62,6 +62,8 @@ std::vector<uint8_t> encode_jpeg_444(const RgbImage& image, int quality);  // fu
 std::vector<uint8_t> encode_png(const RgbImage& image);
 std::vector<uint8_t> encode_png(const RgbImage& image, const std::string& xmp);  // with a packet of metadata
 std::vector<uint8_t> encode_png(const RgbImage& image, const Plane<uint8_t>& alpha);
+std::vector<uint8_t> encode_png(const RgbImage& image, const Plane<uint8_t>& alpha, const std::string& software);
+std::string png_software(std::span<const uint8_t> bytes);  // as told before the pixels; empty = not, or no sound PNG
 std::vector<uint8_t> encode_png(const Plane<uint8_t>& grey);
 std::vector<uint8_t> encode_png(const Plane<uint16_t>& grey);
 constexpr int kMaxWebpSide = 16383;

@@ -10,6 +10,7 @@
 namespace ldp {
 namespace {
 
+constexpr char kSoftware[] = "Software";  // a keyword of the PNG standard
 constexpr uint8_t kSignature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
 
 // As with libjpeg, errors come by a call that must not return: run() catches by longjmp, and what runs below it holds
@@ -147,7 +148,7 @@ struct Encoder {
   std::vector<png_bytep> rows;
   std::vector<uint8_t> out;
   bool out_of_memory = false;
-  std::string xmp;  // empty = none
+  std::string xmp, software;  // empty = none
 
   Encoder(int w, int h, int b, int type) : width(w), height(h), bits(b), colour_type(type) {
     png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &session, on_error, on_warning);
@@ -180,6 +181,16 @@ void compress(Encoder& e) {
     text.key = key;
     text.text = e.xmp.data();
     text.itxt_length = e.xmp.size();
+    png_set_text(e.png, e.info, &text, 1);
+  }
+  if (!e.software.empty()) {
+    char key[sizeof kSoftware];
+    std::memcpy(key, kSoftware, sizeof kSoftware);
+    png_text text = {};
+    text.compression = PNG_TEXT_COMPRESSION_NONE;
+    text.key = key;
+    text.text = e.software.data();
+    text.text_length = e.software.size();
     png_set_text(e.png, e.info, &text, 1);
   }
   png_write_info(e.png, e.info);
@@ -232,7 +243,19 @@ std::vector<uint8_t> encode_png(const RgbImage& image, const std::string& xmp) {
 
 std::vector<uint8_t> encode_png(const RgbImage& image) { return encode_png(image, std::string()); }
 
-std::vector<uint8_t> encode_png(const RgbImage& image, const Plane<uint8_t>& alpha) {
+std::string png_software(std::span<const uint8_t> bytes) {
+  if (!is_png(bytes)) return {};
+  Decoder d(bytes);
+  if (!run(d, read_header)) return {};
+  png_textp texts = nullptr;
+  const int count = png_get_text(d.png, d.info, &texts, nullptr);
+  for (const png_text& text : std::span(texts, static_cast<size_t>(count))) {
+    if (std::strcmp(text.key, kSoftware) == 0) return text.text;
+  }
+  return {};
+}
+
+std::vector<uint8_t> encode_png(const RgbImage& image, const Plane<uint8_t>& alpha, const std::string& software) {
   if (alpha.width != image.width || alpha.height != image.height)
     throw std::logic_error("alpha and image differ in size");
   std::vector<uint8_t> rgba(image.samples.size() * 4);
@@ -241,7 +264,12 @@ std::vector<uint8_t> encode_png(const RgbImage& image, const Plane<uint8_t>& alp
     rgba[4 * i] = c.r, rgba[4 * i + 1] = c.g, rgba[4 * i + 2] = c.b, rgba[4 * i + 3] = alpha.samples[i];
   }
   Encoder e(image.width, image.height, 8, PNG_COLOR_TYPE_RGB_ALPHA);
+  e.software = software;
   return encode(e, rgba.data(), static_cast<size_t>(image.width) * 4);
+}
+
+std::vector<uint8_t> encode_png(const RgbImage& image, const Plane<uint8_t>& alpha) {
+  return encode_png(image, alpha, std::string());
 }
 
 std::vector<uint8_t> encode_png(const Plane<uint8_t>& grey) {

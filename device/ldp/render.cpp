@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -51,18 +50,23 @@ void check_stems(const std::vector<Camera>& cameras, const std::string& file) {
   }
 }
 
-// Every view is a PNG of red, green, blue and alpha; other pictures are someone's photos.
-bool may_be_a_view(const fs::path& file) {
-  constexpr int kColourType = 25, kRgba = 6;  // of the PNG header
-  std::ifstream in(file, std::ios::binary);
-  return in.seekg(kColourType) && in.get() == kRgba;
+constexpr const char* kViewsSoftware = "ldp render";  // told in every view: other pictures are someone's own
+
+bool is_a_view(const fs::path& png) {
+  return fs::is_regular_file(png) && png_software(read_file(png)) == kViewsSoftware;
 }
 
+// Depths tell nothing of their origin: they are of this program where the view beside them is.
 void keep_photos(const RenderCommand& command, const std::vector<Camera>& cameras) {
   for (const Camera& camera : cameras) {
-    const fs::path view = fs::path(command.output) / (fs::path(camera.name).stem().string() + ".png");
-    if (fs::exists(view) && !may_be_a_view(view))
-      throw BadInput(view.string() + ": is there already and is no view: name another folder");
+    const fs::path stem = fs::path(command.output) / fs::path(camera.name).stem();
+    fs::path view = stem, depth = stem;
+    view += ".png", depth += ".pfm";
+    for (const fs::path& file : {view, depth}) {
+      if (file == depth && !command.options.depth) continue;
+      if (fs::exists(file) && !is_a_view(view))
+        throw BadInput(file.string() + ": is there already and is no view: name another folder");
+    }
   }
 }
 
@@ -103,7 +107,7 @@ Totals render_pictures(const RenderCommand& command, const Renderer& renderer, c
     const View view = renderer.render(camera, command.options, job);
     const std::string stem = fs::path(camera.name).stem().string();
     folder.fill([&] {
-      write_file(folder.path() / (stem + ".png"), encode_png(view.colour, view.alpha));
+      write_file(folder.path() / (stem + ".png"), encode_png(view.colour, view.alpha, kViewsSoftware));
       if (command.options.depth) write_file(folder.path() / (stem + ".pfm"), encode_pfm(view.depth));
     });
     add(view, totals);

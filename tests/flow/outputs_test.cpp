@@ -77,6 +77,17 @@ TEST_F(Outputs, ViewsNeverReplacePhotos) {
   EXPECT_TRUE(text_of(photo) == before);
   EXPECT_EQ(ldp(to(path("views"))).status, 0);
   EXPECT_EQ(ldp(to(path("views"))).status, 0) << "views replace views";
+  std::vector<std::string> with_depth = to(path("views"));
+  with_depth.emplace_back("--depth");
+  EXPECT_EQ(ldp(with_depth).status, 0);
+  EXPECT_EQ(ldp(with_depth).status, 0) << "and depths the depths beside them";
+  fs::remove(path("views/001.png"));
+  expect_refusal(with_depth, 2, "001.pfm: is there already and is no view");
+  const RgbImage own(64, 48);
+  write_file(path("views/001.png"), encode_png(own, Plane<uint8_t>(64, 48, 255)));
+  expect_refusal(to(path("views")), 2, "001.png: is there already and is no view");
+  std::ofstream(path("views/001.png")) << "a text of 25 characters..\6";
+  expect_refusal(to(path("views")), 2, "001.png: is there already and is no view");
 }
 
 TEST_F(Outputs, WhatOnlyAPathHasIsRefusedWithCameras) {

@@ -81,6 +81,17 @@ TEST(Png, KeepsEveryPixel) {
       << "transparency is dropped, not mixed in";
 }
 
+TEST(Png, TellsTheSoftwareThatWroteIt) {
+  const RgbImage image = some_image(16, 12);
+  const Plane<uint8_t> alpha(16, 12, 7);
+  EXPECT_EQ(png_software(encode_png(image, alpha, "a program")), "a program");
+  EXPECT_EQ(decode_image(encode_png(image, alpha, "a program"), "a"), image);
+  EXPECT_EQ(png_software(encode_png(image, alpha)), "");
+  const std::vector<uint8_t> bytes = encode_png(image, alpha, "a program");
+  EXPECT_EQ(png_software(std::span(bytes).first(50)), "");
+  EXPECT_EQ(png_software(encode_jpeg(image, 90)), "");
+}
+
 TEST(Png, GreyIsReadAsThreeEqualChannelsAndSixteenBitsAreRounded) {
   Plane<uint16_t> grey(2, 1);
   grey.samples = {0x1234, 0xFFFF};
