@@ -1,6 +1,7 @@
 // A sweep as matching leaves it, and which of its matches agree with cameras.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "bundle.h"
@@ -13,6 +14,8 @@ struct MatchedSweep {
   std::vector<GreyPhoto> pictures;  // all of one size
   std::vector<Features> features;
   std::vector<PairMatches> pairs;  // verified
+  int left_out = 0;                // photos that can be no part of the sweep
+  std::string first_left_out;      // its name and why; empty = none
 
   int frames() const { return static_cast<int>(features.size()); }
   // Tolerances are stated in pixels of a photo 800 pixels long; this is so many pixels of these photos.

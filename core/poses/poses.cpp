@@ -129,15 +129,20 @@ std::vector<std::string> unfit_frames(const std::vector<Frame>& frames) {
   return reasons;
 }
 
-// Throws Impossible, with the reason of the first that is unfit.
+// The first that is unfit and why; empty = none is.
+std::string first_unfit(const std::vector<Frame>& frames, const std::vector<std::string>& unfit) {
+  for (size_t i = 0; i < unfit.size(); ++i) {
+    if (!unfit[i].empty()) return frames[i].name + ": " + unfit[i];
+  }
+  return {};
+}
+
 void require_three_fit(const std::vector<Frame>& frames, const std::vector<std::string>& unfit) {
   const auto fit = std::count(unfit.begin(), unfit.end(), std::string());
   if (fit >= 3) return;
-  const auto first =
-      std::find_if(unfit.begin(), unfit.end(), [](const std::string& reason) { return !reason.empty(); });
   throw Impossible("only " + std::to_string(fit) + " of " + std::to_string(frames.size()) +
-                   " photos can be used; at least 3 are needed, all of one size and no two alike; " +
-                   frames[static_cast<size_t>(first - unfit.begin())].name + ": " + *first);
+                   " photos can be used; at least 3 are needed, all of one size and none the same as the one before; " +
+                   first_unfit(frames, unfit));
 }
 
 // Frames fit for it as a sweep, and which frame each of the sweep is.
@@ -157,6 +162,8 @@ Chosen choose(const std::vector<Frame>& frames, const std::vector<PairMatches>& 
     chosen.sweep.features.push_back(frames[i].features);
     chosen.frame.push_back(static_cast<int>(i));
   }
+  chosen.sweep.left_out = static_cast<int>(frames.size() - chosen.frame.size());
+  chosen.sweep.first_left_out = first_unfit(frames, unfit);
   for (const PairMatches& pair : pairs) {
     const int a = place[static_cast<size_t>(pair.a)], b = place[static_cast<size_t>(pair.b)];
     if (a >= 0 && b >= 0 && !pair.matches.empty()) chosen.sweep.pairs.push_back({a, b, pair.matches});

@@ -75,10 +75,11 @@ int posed(const std::vector<std::string>& dropped) {
 void require(const MatchedSweep& sweep, const std::vector<std::string>& dropped) {
   if (posed(dropped) >= kLeastPosed) return;
   const bool bare = 2 * std::count(dropped.begin(), dropped.end(), kBare) >= sweep.frames();
-  throw Impossible("only " + std::to_string(posed(dropped)) + " of " + std::to_string(sweep.frames()) +
+  throw Impossible("only " + std::to_string(posed(dropped)) + " of " + std::to_string(sweep.frames() + sweep.left_out) +
                    " photos connect with each other; at least 3 are needed: " +
                    (bare ? "most show next to no texture: take them in more light, of something with detail"
-                         : "take them with more overlap (three quarters), sharp and free of noise"));
+                         : "take them with more overlap (three quarters), sharp and free of noise") +
+                   (sweep.left_out > 0 ? "; left out was " + sweep.first_left_out : ""));
 }
 
 // Tracks without the observations of dropped frames.

@@ -462,9 +462,7 @@ TEST(BentLens, IsFreedWhereItExplainsClearlyMore) {
   EXPECT_TRUE(bends(0.05));
 }
 
-TEST(BentLens, StaysStraightWhereItExplainsTheNoiseALittleBetter) {
-  EXPECT_FALSE(bends(0));
-}
+TEST(BentLens, StaysStraightWhereItExplainsTheNoiseALittleBetter) { EXPECT_FALSE(bends(0)); }
 
 // Points of a wall seen by the two cameras in the middle; the one amid them is at another inverse distance, and a third
 // camera may see it.
@@ -851,12 +849,16 @@ TEST(EstimatePoses, SaysWhyItIsImpossible) {
   EXPECT_THAT(blank, HasSubstr("only 1 of 4 photos connect with each other"));
   EXPECT_THAT(blank, HasSubstr("most show next to no texture"));
   EXPECT_THAT(words(std::vector<RgbImage>(4, two[0])),
-              HasSubstr("no two alike; 1001.png: it is the same picture as 1000.png"));
+              HasSubstr("none the same as the one before; 1001.png: it is the same picture as 1000.png"));
   std::mt19937 random(3);
   std::vector<RgbImage> noise(4, RgbImage(200, 150));
   for (RgbImage& image : noise) {
     for (Rgb& pixel : image.samples) pixel.r = pixel.g = pixel.b = static_cast<uint8_t>(random());
   }
+  std::vector<RgbImage> repeated = noise;
+  repeated.insert(repeated.begin() + 2, noise[1]);
+  EXPECT_THAT(words(repeated), HasSubstr("of 5 photos connect with each other"));
+  EXPECT_THAT(words(repeated), HasSubstr("; left out was 1002.png: it is the same picture as 1001.png"));
   EXPECT_THAT(words(noise), HasSubstr("sharp and free of noise"));
 }
 
