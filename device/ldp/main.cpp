@@ -101,13 +101,12 @@ int main(int argc, char** argv) {
   ldp::Program program;
   program.app.description("Layered depth panoramas: from one arm's-length sweep of a camera to views with parallax");
   program.app.set_version_flag("--version", "ldp " LDP_VERSION);
-  program.app.footer(
-      "Exit status: 0 done, 1 the job cannot be done or 'verify' found damage, 2 unusable arguments or unreadable "
-      "input "
-      "(a damaged .ldp among it), 130 interrupted.");
   program.app.require_subcommand(1);
   program.session.stop = interrupt.token();
   ldp::add_commands(program);
+  program.app.footer(  // commands take over what is set before they are added
+      "Exit status: 0 done, 1 the job cannot be done or 'verify' found damage, 2 unusable arguments or unreadable "
+      "input (a damaged .ldp among it), 130 interrupted.");
   const int parsed = ldp::parse(program, argc, argv);
   if (!program.chosen) return parsed;
   const int status = ldp::run(program);

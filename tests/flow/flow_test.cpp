@@ -251,7 +251,9 @@ TEST_F(Flow, EveryCommandHasHelp) {
     const Outcome help = ldp({command, "--help"});
     EXPECT_EQ(help.status, 0);
     EXPECT_THAT(help.out, HasSubstr("Usage:")) << command;
+    EXPECT_THAT(help.out, testing::Not(HasSubstr("Exit status:"))) << command;
   }
+  EXPECT_THAT(ldp({"--help"}).out, HasSubstr("Exit status:"));
 }
 
 TEST_F(Flow, CtrlCStopsAtOnceAndLeavesNothing) {
