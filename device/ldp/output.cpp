@@ -36,7 +36,7 @@ void check_folder_takes_files(const fs::path& folder, const fs::path& shown) {
   }
 }
 
-// Of three or four characters with the dot's, a letter among them: .ldp, .mp4 and .webp are; .5 and .views are not.
+// Two to four letters or digits after the dot, a letter among them: .ldp, .gz and .webp are; .5 and .views are not.
 bool ends_like_a_file(const fs::path& path) {
   const std::string extension = extension_of(path);
   return extension.size() >= 3 && extension.size() <= 5 &&
