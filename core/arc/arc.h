@@ -37,8 +37,10 @@ PanoramaGrid lay_grid(const Arc& arc, const std::vector<Camera>& cameras, const 
 
 // Rays start on the arc, not in a camera: on a surface at depth z a column as wide as a photo's pixel at infinity spans
 // (r + z) / z of the photo's pixels. How many columns of colour one column of depths is worth at the points' median
-// depth, 1 or 2. (Depths are found as well, and faster, in the wide ones.)
-int columns_of_colour(const PanoramaGrid& grid, const std::vector<ScenePoint>& points);
+// depth, 1 or 2; 1 where the photos have fewer columns or pixels together, or a file could not hold as many columns.
+// (Depths are found as well, and faster, in the wide ones.)
+int columns_of_colour(const PanoramaGrid& grid, const std::vector<Camera>& cameras,
+                      const std::vector<ScenePoint>& points);
 
 // The same panorama with `times` as many columns.
 PanoramaGrid with_finer_columns(PanoramaGrid grid, int times);

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kSteepest = 4;  // |v|, i.e. 76 degrees: a cylinder shows nothing useful beyond
+constexpr int kWidest = 65535;   // columns of a file (core/ldp/FORMAT.md)
 constexpr double kTallest = 1.5;
 constexpr double kLowestShare = 0.02;    // percentiles of the points' inverse depths taken as far and near
 constexpr double kMargin = 1.15;         // on the near side, for what no feature point was found on
@@ -208,14 +209,18 @@ PanoramaGrid lay_grid(const Arc& arc, const std::vector<Camera>& cameras, const 
   return grid;
 }
 
-int columns_of_colour(const PanoramaGrid& grid, const std::vector<ScenePoint>& points) {
+int columns_of_colour(const PanoramaGrid& grid, const std::vector<Camera>& cameras,
+                      const std::vector<ScenePoint>& points) {
   constexpr int kMost = 2;  // with 3, evaluations of close sweeps are no better and files larger
   std::vector<double> inverse;
   for (const ScenePoint& point : points) {
     const double w = locate(grid, point.position).inverse_depth;
     if (w >= 0) inverse.push_back(w);
   }
-  if (inverse.empty()) return 1;
+  const int widest = std::min(kWidest, most_columns(cameras));
+  if (inverse.empty() || grid.width > widest / kMost ||
+      static_cast<double>(grid.width) * kMost * grid.height > most_pixels(cameras, {}))
+    return 1;
   const double w = rounded(percentile(inverse, 0.5), kRangeBits, grid.w_near);
   return std::clamp(static_cast<int>((grid.ray_radius() * w + 1) * grid.theta_pitch / grid.v_pitch), 1, kMost);
 }

@@ -118,14 +118,14 @@ class Build {
       grid_ = lay_grid(report_.arc.arc, poses_.cameras, poses_.points, options);
       const Intrinsics& k = poses_.cameras.front().intrinsics;
       const size_t photo_px = static_cast<size_t>(k.width) * static_cast<size_t>(k.height);
-      columns_of_colour_ = columns_of_colour(grid_, poses_.points);
+      columns_of_colour_ = columns_of_colour(grid_, poses_.cameras, poses_.points);
       const ExpectedMemory needed =
           expected_memory(grid_, columns_of_colour_, photo_px,
                           upright_pixels(poses_.cameras, report_.arc.arc, options.pitch_px), options_.layers);
       if (needed.all > allowed && !std::exchange(tried_scratch, true)) open_scratch(allowed);
       if (options_.memory_bytes == 0 || (scratch_ ? needed.least : needed.all) <= allowed) {
         if (options.pitch_px > 1)
-          report_.notes.push_back("to fit the memory allowed, a pixel of the panorama spans " +
+          report_.notes.push_back("to fit the memory allowed, a row of the panorama spans " +
                                   std::to_string(options.pitch_px).substr(0, 4) + " of the photos'");
         return options.pitch_px;
       }
@@ -297,7 +297,7 @@ class Build {
     Plane<int16_t> farthest(grid_.width, grid_.height, kDisparitySteps);  // disparity at most that the next layer shows
     for (size_t k = 0; k < layers_.size(); ++k) {
       drop_inseparable(farthest, layers_[k]);
-      if (k > 0) drop_specks(kSpeckPx, grid_.wraps, layers_[k]);
+      if (k > 0) drop_specks(kSpeckPx * columns_of_colour_, grid_.wraps, layers_[k]);
       drop_sources(layers_[k], sources_[k]);
       panorama.layers.push_back(coded(layers_[k], k == 0 ? kKnownPx : 2 * kKnownPx));
       move_back(panorama.layers[k], farthest);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <mutex>
 
 #include "reprojection.h"
 
@@ -190,8 +191,8 @@ void add_lens(const Bundle& bundle, const BundleOptions& options, Blocks& blocks
 
 BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& job) {
   job.check();
-  FLAGS_minloglevel =
-      google::GLOG_FATAL;  // Ceres tells of every step that it rejects, on stderr; the summary is enough
+  static std::once_flag quiet;  // Ceres tells of every step that it rejects, on stderr; the summary is enough
+  std::call_once(quiet, [] { FLAGS_minloglevel = google::GLOG_FATAL; });
   if (bundle.observations.empty()) return {};
   Blocks blocks = blocks_of(bundle);
   Losses losses(options);

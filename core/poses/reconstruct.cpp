@@ -169,12 +169,14 @@ void last_matched_round(const MatchedSweep& sweep, const std::vector<Track>& tra
                         Reconstruction& result) {
   const bool on_an_arc = rounds.on_an_arc();
   Reconstruction steadied = result;
+  if (on_an_arc) rounds.use_threads(job.threads / 2);
   const Rounds before = rounds;
   parallel_for(job, on_an_arc ? 2 : 1, [&](int which) {
     if (which == 1) return steady(sweep, tracks, before, steadied);
     rounds.round(tracks, kMatched[2], kAboutArc, result);
     rounds.decide_distortion(result);
   });
+  rounds.use_threads(job.threads);
   if (!on_an_arc) return;
   if (rounds.bent() && !before.bent()) steady(sweep, tracks, rounds, steadied = result);
   const double steadier =
@@ -188,10 +190,12 @@ void first_round(const MatchedSweep& sweep, const std::vector<Track>& tracks, Ro
                  Reconstruction& result) {
   const std::vector<Track> thin = longest_tracks(tracks, sweep.frames(), kThin);
   Reconstruction off = result;
+  rounds.use_threads(job.threads / 2);
   Rounds off_rounds = rounds;
   parallel_for(job, 2, [&](int which) {
     which == 0 ? rounds.round(thin, kMatched[0], kNearArc, result) : off_rounds.round(thin, kMatched[0], kFarArc, off);
   });
+  rounds.use_threads(job.threads);
   if (explained(sweep, tracks, off, job) < kOverrules * explained(sweep, tracks, result, job)) return;
   result = std::move(off);
   rounds.leave_the_arc();

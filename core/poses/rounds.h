@@ -2,6 +2,8 @@
 // tolerances that narrow.
 #pragma once
 
+#include <algorithm>
+
 #include "reconstruct.h"
 
 namespace ldp {
@@ -24,6 +26,7 @@ class Rounds {
   void stay_on_the_arc() { least_sigma_ = 0; }
   bool on_an_arc() const { return least_sigma_ < kNoArc && options_.model != Model::rotation; }
   bool bent() const { return options_.refine_distortion; }
+  void use_threads(int threads) { job_.threads = std::max(1, threads); }  // as when several are at work
   void let_pairs_count() { pairs_count_ = true; }
 
   // Places what agrees and adjusts everything to it.
@@ -38,7 +41,7 @@ class Rounds {
   void leave_out_loners(Reconstruction& r) const;
 
   const MatchedSweep& sweep_;
-  const Job& job_;
+  Job job_;
   BundleOptions options_;
   bool pairs_count_ = false;  // as much as points that a third photo confirms
   double least_sigma_ = 0;

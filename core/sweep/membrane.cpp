@@ -21,7 +21,7 @@ constexpr int kStrongest = 25;  // tie of neighbours of one grey, where firmness
 constexpr int kDecay = 239;     // of 256: tie that each grey level of difference leaves, exp(-1/15)
 constexpr int kContrastReach = 3, kPlainContrast = 24;
 constexpr uint8_t kPlain = 128;  // flag of a tie between plain pixels
-constexpr int kFraction = 16;    // parts of a disparity step that rounds reckon with
+constexpr int kFraction = 8;     // parts of a disparity step that rounds reckon with
 constexpr int kRowsAtOnce = 16;
 
 constexpr std::array<uint8_t, 256> kTies = [] {
@@ -94,21 +94,25 @@ class Membrane {
       }
   }
 
-  // Where the guide's contrast is low in rows `first` to `end`.
+  // Where the contrast of the guide's present pixels is low in rows `first` to `end`.
   void find_plain(int first, int end, Plane<uint8_t>& plain) const {
     constexpr int kRows = 2 * kContrastReach + 1;
     const auto padded = static_cast<size_t>(width_ + kernels::kPadding);
     const int above = std::max(0, first - kContrastReach), beyond = std::min(height_, end + kContrastReach);
-    std::vector<uint8_t> row(padded + 2 * kContrastReach), contrast(padded);
+    std::vector<uint8_t> darkest(padded + 2 * kContrastReach), brightest = darkest, contrast(padded), unused(padded);
     std::vector<std::vector<uint8_t>> low, high;
     for (int y = above; y < beyond; ++y) {
       for (int i = 0; i < width_ + 2 * kContrastReach; ++i) {
-        const int x = i - kContrastReach;
-        row[static_cast<size_t>(i)] = guide_.at(wraps_ ? (x + width_) % width_ : std::clamp(x, 0, width_ - 1), y);
+        const int beside = i - kContrastReach,
+                  x = wraps_ ? (beside + width_) % width_ : std::clamp(beside, 0, width_ - 1);
+        const bool present = held_.at(x, y) != kNoDisparity;
+        darkest[static_cast<size_t>(i)] = present ? guide_.at(x, y) : uint8_t{255};
+        brightest[static_cast<size_t>(i)] = present ? guide_.at(x, y) : uint8_t{0};
       }
       low.emplace_back(padded);
       high.emplace_back(padded);
-      kernels::best().range7(row.data(), width_, low.back().data(), high.back().data());
+      kernels::best().range7(darkest.data(), width_, low.back().data(), unused.data());
+      kernels::best().range7(brightest.data(), width_, unused.data(), high.back().data());
     }
     for (int y = first; y < end; ++y) {
       kernels::Tinted<const uint8_t> lows[kRows], highs[kRows];
@@ -141,13 +145,13 @@ class Membrane {
 
   // What a round looks at in one row.
   struct Row {
+    static_assert((255 + 4 * kStrongest) * kDisparitySteps * kFraction < 1 << 24);
     const uint16_t *own, *up, *down, *held;
     const uint8_t *firmness, *right, *above, *below;
     int reach, more_where_plain;
     uint16_t* next;
 
-    // Without branches, for vectors; absent pixels come to nothing that anybody is tied to. Sums stay below 2^24, so
-    // that floats hold them exactly.
+    // Without branches, for vectors; nobody is tied to what absent pixels come to. Floats hold the sums exactly.
     void settle(int x, int before, int after) const {
       int total = firmness[x], sum = total * held[x] * kFraction;
       const auto draw = [&](int tie, int towards) {

@@ -213,13 +213,17 @@ TEST(ColumnsOfColour, AreTwoWhereMostPointsLieWithinOneRadiusOfTheArc) {
     GridOptions options;
     options.rays = rays;
     const std::vector<ScenePoint> points = shell(depth_in_radii * arc.radius, depth_in_radii * arc.radius);
-    return columns_of_colour(lay_grid(arc, cameras, points, options), points);
+    return columns_of_colour(lay_grid(arc, cameras, points, options), cameras, points);
   };
   EXPECT_EQ(columns(1.1, Rays::pushbroom), 1);
   EXPECT_EQ(columns(0.8, Rays::pushbroom), 2);
   EXPECT_EQ(columns(0.3, Rays::pushbroom), 2);  // at most
   EXPECT_EQ(columns(0.3, Rays::central), 1);    // those rays start where the photos were taken, nearly
-  EXPECT_EQ(columns_of_colour(lay_grid(arc, cameras, {}, GridOptions{}), {}), 1);
+  const PanoramaGrid grid = lay_grid(arc, cameras, {}, GridOptions{});
+  EXPECT_EQ(columns_of_colour(grid, cameras, {}), 1);
+  const std::vector<ScenePoint> close = shell(0.2, 0.2);
+  EXPECT_EQ(columns_of_colour(grid, cameras, close), 2);
+  EXPECT_EQ(columns_of_colour(grid, {cameras[0], cameras[1]}, close), 1);  // they have not as many pixels
 }
 
 TEST(FinerColumns, CoverTheSamePanorama) {

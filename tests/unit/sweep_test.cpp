@@ -382,13 +382,15 @@ TEST(WeakMembrane, LeavesAbsentPixelsAndGoesOnAcrossTheSeam) {
   DisparityMap disparity(30, 8, 1000);
   for (int y = 0; y < 8; ++y) {
     disparity.at(29, y) = 1100;
+    disparity.at(13, y) = 1100;
     disparity.at(14, y) = kNoDisparity;
   }
-  Plane<uint8_t> firmness(30, 8, 1);
-  const Plane<uint8_t> guide(30, 8, 100);
+  Plane<uint8_t> firmness(30, 8, 1), guide(30, 8, 100);
+  for (int y = 0; y < 8; ++y) firmness.at(14, y) = guide.at(14, y) = 0;  // no contrast to what is absent
   const DisparityMap open = weak_membrane(disparity, firmness, guide, kLabelSteps, false, {}),
                      closed = weak_membrane(disparity, firmness, guide, kLabelSteps, true, {});
   EXPECT_EQ(open.at(14, 3), kNoDisparity);
+  EXPECT_LT(open.at(13, 3), 1050);  // plain as far as it is present
   EXPECT_EQ(open.at(0, 3), 1000);
   EXPECT_GT(closed.at(0, 3), 1005);
   EXPECT_EQ(closed.at(15, 3), closed.at(15, 4));
