@@ -170,29 +170,24 @@ void give(png_structp png, png_bytep from, size_t count) {
   if (e->out_of_memory) png_error(png, "out of memory");
 }
 
+// No locals that an error's jump would leave undestroyed.
+void add_text(Encoder& e, int kind, const char* key, std::string& value) {
+  char own_key[80] = {};  // keys are no longer than 79 characters
+  std::strncpy(own_key, key, sizeof own_key - 1);
+  png_text text = {};
+  text.compression = kind;
+  text.key = own_key;
+  text.text = value.data();
+  text.text_length = text.itxt_length = value.size();  // the one of its kind is looked at
+  png_set_text(e.png, e.info, &text, 1);
+}
+
 void compress(Encoder& e) {
   png_set_write_fn(e.png, &e, give, nullptr);
   png_set_IHDR(e.png, e.info, static_cast<png_uint_32>(e.width), static_cast<png_uint_32>(e.height), e.bits,
                e.colour_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  if (!e.xmp.empty()) {
-    char key[] = "XML:com.adobe.xmp";
-    png_text text = {};
-    text.compression = PNG_ITXT_COMPRESSION_NONE;
-    text.key = key;
-    text.text = e.xmp.data();
-    text.itxt_length = e.xmp.size();
-    png_set_text(e.png, e.info, &text, 1);
-  }
-  if (!e.software.empty()) {
-    char key[sizeof kSoftware];
-    std::memcpy(key, kSoftware, sizeof kSoftware);
-    png_text text = {};
-    text.compression = PNG_TEXT_COMPRESSION_NONE;
-    text.key = key;
-    text.text = e.software.data();
-    text.text_length = e.software.size();
-    png_set_text(e.png, e.info, &text, 1);
-  }
+  if (!e.xmp.empty()) add_text(e, PNG_ITXT_COMPRESSION_NONE, "XML:com.adobe.xmp", e.xmp);
+  if (!e.software.empty()) add_text(e, PNG_TEXT_COMPRESSION_NONE, kSoftware, e.software);
   png_write_info(e.png, e.info);
   png_write_image(e.png, e.rows.data());
   png_write_end(e.png, nullptr);
