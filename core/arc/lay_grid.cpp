@@ -11,10 +11,10 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kSteepest = 4;  // |v|, i.e. 76 degrees: a cylinder shows nothing useful beyond
-constexpr int kWidest = 65535;   // columns of a file (core/ldp/FORMAT.md)
 constexpr double kTallest = 1.5;
 constexpr double kLowestShare = 0.02;    // percentiles of the points' inverse depths taken as far and near
 constexpr double kMargin = 1.15;         // on the near side, for what no feature point was found on
+constexpr int kWidest = 65535;           // columns that a file holds (core/ldp/FORMAT.md)
 constexpr double kFarRadii = 100;        // farther than this many radii is infinity
 constexpr double kFarLabels = 1.5 / 15;  // so is what lies so little of the range from it: skies have no feature points
 

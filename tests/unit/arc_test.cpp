@@ -223,7 +223,15 @@ TEST(ColumnsOfColour, AreTwoWhereMostPointsLieWithinOneRadiusOfTheArc) {
   EXPECT_EQ(columns_of_colour(grid, cameras, {}), 1);
   const std::vector<ScenePoint> close = shell(0.2, 0.2);
   EXPECT_EQ(columns_of_colour(grid, cameras, close), 2);
-  EXPECT_EQ(columns_of_colour(grid, {cameras[0], cameras[1]}, close), 1);  // they have not as many pixels
+  EXPECT_EQ(columns_of_colour(grid, {cameras[0], cameras[1]}, close), 1);  // they have not as many columns
+  PanoramaGrid tall = grid;
+  tall.height *= 3;
+  EXPECT_EQ(columns_of_colour(tall, cameras, close), 1);  // nor these as many pixels
+  PanoramaGrid wide = grid;
+  wide.width = 32768, wide.height = 1;
+  EXPECT_EQ(columns_of_colour(wide, std::vector<Camera>(100, cameras[0]), close), 1);  // nor a file as many columns
+  wide.width = 32767;
+  EXPECT_EQ(columns_of_colour(wide, std::vector<Camera>(100, cameras[0]), close), 2);
 }
 
 TEST(FinerColumns, CoverTheSamePanorama) {

@@ -371,7 +371,7 @@ TEST(WeakMembrane, BreaksAtDepthEdgesAndAtEdgesOfTheImage) {
   const Plane<uint8_t> firmness(40, 12, 8);
   Plane<uint8_t> guide(40, 12, 100);
   for (int y = 0; y < 12; ++y) {
-    std::fill(disparity.row(y) + 20, disparity.row(y) + 40, static_cast<uint16_t>(1000 + kLabelSteps + 1));
+    std::fill(disparity.row(y) + 25, disparity.row(y) + 40, static_cast<uint16_t>(1000 + kLabelSteps + 1));
     std::fill(guide.row(y) + 10, guide.row(y) + 20, uint8_t{200});
     std::fill(disparity.row(y) + 10, disparity.row(y) + 20, uint16_t{1030});  // less than ties bear
   }
