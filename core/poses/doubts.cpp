@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
+
+#include "turns.h"
 
 namespace ldp {
 namespace {
@@ -81,6 +84,14 @@ class Doubts {
            (focal_known ? "" : ", or give the field of view (--fov)");
   }
 
+  // A focal length that points left open, and that drifted to what no camera has.
+  std::string no_lens(bool focal_known) const {
+    const double view = view_of_longer_side(sweep_, r_.bundle.lens.focal_px);
+    if (focal_known || (view > kTooNarrow && view < kTooWide)) return {};
+    return "they are those of a camera that sees " + std::to_string(std::lround(view * 180 / std::numbers::pi)) +
+           " degrees, which none does: give the field of view (--fov)";
+  }
+
   // Two photos of one view by their poses, that have nothing in common.
   std::string unrelated() const {
     const std::vector<std::vector<bool>> shared = shared_points();
@@ -140,8 +151,8 @@ class Doubts {
 std::string doubt(const MatchedSweep& sweep, const Reconstruction& reconstruction,
                   const std::vector<std::string>& names, bool focal_known) {
   const Doubts doubts(sweep, reconstruction, names);
-  for (const std::string& found :
-       {doubts.contradicted(), doubts.unrelated(), doubts.loose(), doubts.in_pairs(focal_known)}) {
+  for (const std::string& found : {doubts.contradicted(), doubts.unrelated(), doubts.loose(),
+                                   doubts.in_pairs(focal_known), doubts.no_lens(focal_known)}) {
     if (!found.empty()) return found;
   }
   return {};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
+#include <utility>
 
 #include "follow.h"
 #include "general.h"
@@ -23,7 +24,7 @@ constexpr double kBetterArc = 1.05;              // the same where it turns out 
 constexpr double kTornMatches = 0.05;            // of all matches, in pairs that do not hold
 constexpr double kTorn = 0.3, kTornPixels = 12;  // share of a pair's matches that must agree within so many
                                                  // pixels of 800 for it to hold
-constexpr double kEnough = 0.75;                 // share of the observations that must fit, else other motion is tried
+constexpr double kEnough = 1 / kBetter;          // share of the observations that must fit, else other motion is tried
 constexpr size_t kRich = 1000;                   // observations per frame that make a second look for matches needless
 constexpr int kThin = 250;                       // and those that do for the first rounds, the longest tracks first
 constexpr double kStillHolds = 0.9;  // share of the matches explained before that a round on followed points must keep
@@ -153,9 +154,12 @@ void settle(const MatchedSweep& sweep, const std::vector<Track>& matched, Rounds
   }
 }
 
-// Cameras put back on their sphere and held near it while what agrees with them gathers.
+// Cameras put back on their sphere and held near it while what agrees with them gathers. The lens keeps its bend:
+// freed, it would take on what the sphere cannot explain, and half the focal length with a barrel's bend passes for
+// any.
 void steady(const MatchedSweep& sweep, const std::vector<Track>& tracks, Rounds rounds, Reconstruction& r) {
   rounds.stay_on_the_arc();
+  rounds.keep_the_bend();
   for (Pose& pose : r.bundle.cameras) pose.centre = pose.world_from_camera.col(2);
   const std::vector<Track> thin = longest_tracks(tracks, sweep.frames(), kThin);
   for (size_t i = 0; i < std::size(kSteady); ++i)
@@ -222,7 +226,29 @@ bool torn(const MatchedSweep& sweep, const Reconstruction& r) {
   return false;
 }
 
-// Where spherical motion leaves too much unexplained, general motion gets its chance; the one that explains more stays.
+// Where the sweep fell apart, the cameras may have turned by more than they seemed to: where all is far a step to the
+// side shows like a turn, and a circle that lacks a few degrees tears where it should close. The same is tried from the
+// turns of cameras that stay where they are.
+void try_turns_on_the_spot(const MatchedSweep& sweep, const std::vector<Track>& tracks, const Bundle& on_the_spot,
+                           Rounds& rounds, const Job& job, Reconstruction& result) {
+  if (!torn(sweep, result)) return;
+  Reconstruction other = result;
+  other.bundle = on_the_spot;
+  Rounds other_rounds = rounds;
+  other_rounds.stay_on_the_arc();
+  first_round(sweep, tracks, other_rounds, job, other);
+  if (explained(sweep, tracks, other, job) < kBetterArc * explained(sweep, tracks, result, job)) return;
+  rounds = other_rounds;
+  result = std::move(other);
+}
+
+bool a_cameras(const MatchedSweep& sweep, double focal_px) {
+  const double view = view_of_longer_side(sweep, focal_px);
+  return view > kTooNarrow && view < kTooWide;
+}
+
+// Where spherical motion leaves too much unexplained, or asks for a lens that no camera has, general motion gets its
+// chance; the one that explains more stays.
 void try_general_motion(const MatchedSweep& sweep, const std::vector<Track>& tracks,
                         const std::optional<FocalPrior>& focal, Rounds& rounds, const Job& job,
                         Reconstruction& result) {
@@ -230,7 +256,8 @@ void try_general_motion(const MatchedSweep& sweep, const std::vector<Track>& tra
   spherical.tracks = place_good(tracks, sweep.pixels(kMatched[2]), false, spherical.bundle, job);
   const auto count = [](const Reconstruction& r) { return static_cast<double>(observations(r.tracks)); };
   const bool poor = count(spherical) <= kEnough * static_cast<double>(observations(tracks));
-  if (!poor && !torn(sweep, result)) return;
+  const bool lens = a_cameras(sweep, result.bundle.lens.focal_px);
+  if (!poor && lens && !torn(sweep, result)) return;
   std::optional<GeneralStart> start = general_start(sweep, tracks, focal, result.bundle.lens.focal_px, job);
   if (!start) return;
   Reconstruction general = result;
@@ -242,7 +269,8 @@ void try_general_motion(const MatchedSweep& sweep, const std::vector<Track>& tra
   const bool arc = move_to_sphere(general.dropped, general.bundle);
   general.tracks =
       place_good(connected(tracks, general.dropped), sweep.pixels(kMatched[2]), false, general.bundle, job);
-  if (count(general) < (arc ? kBetterArc : kBetter) * count(spherical)) return;
+  const bool better_lens = !lens && a_cameras(sweep, general.bundle.lens.focal_px);
+  if (count(general) < (better_lens ? 1 : arc ? kBetterArc : kBetter) * count(spherical)) return;
   arc ? rounds.leave_the_arc() : rounds.forget_the_arc();
   result = std::move(general);
 }
@@ -251,23 +279,26 @@ void try_general_motion(const MatchedSweep& sweep, const std::vector<Track>& tra
 
 Reconstruction reconstruct(MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job) {
   Reconstruction result;
-  const std::vector<Turns> turns = ldp::turns(sweep, focal, job);
+  const std::vector<Turns> turns = ldp::turns(sweep, focal, Turning::on_the_sphere, job);
   sweep.pairs = without_contradictions(std::move(sweep.pairs), turns);
   result.dropped = loose_frames(sweep);
   require(sweep, result.dropped);
   std::vector<Track> tracks = build_tracks(sweep.features, sweep.pairs);
   tracks = connected(tracks, result.dropped);
-  result.bundle = start(sweep, tracks, turns, focal, job);
-  job.report("adjusting", 0.7);
-
   Rounds rounds(sweep, focal, job);
   const auto thin = [&] { return longest_tracks(tracks, sweep.frames(), kThin); };
-  first_round(sweep, tracks, rounds, job, result);
-  try_general_motion(sweep, tracks, focal, rounds, job, result);
-  if (only_turns(sweep, result.tracks, result.bundle, job)) {
+  result.bundle = start_on_the_spot(sweep, tracks, ldp::turns(sweep, focal, Turning::on_the_spot, job), focal, job);
+  job.report("adjusting", 0.7);
+  if (!only_turns(sweep, tracks, result.bundle, job)) {
+    const Bundle on_the_spot = std::exchange(result.bundle, start(sweep, tracks, turns, focal, job));
+    first_round(sweep, tracks, rounds, job, result);
+    try_turns_on_the_spot(sweep, tracks, on_the_spot, rounds, job, result);
+    try_general_motion(sweep, tracks, focal, rounds, job, result);
+    if (only_turns(sweep, result.tracks, result.bundle, job)) result.motion = Motion::rotation;
+  } else {
     result.motion = Motion::rotation;
-    rounds.set_model(Model::rotation);
   }
+  if (result.motion == Motion::rotation) rounds.set_model(Model::rotation);
   tracks = connected(tracks, result.dropped);
   rounds.round(thin(), kMatched[1], kAboutArc, result);
   if (result.motion != Motion::rotation && observations(tracks) < kRich * static_cast<size_t>(posed(result.dropped))) {

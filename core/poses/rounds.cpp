@@ -28,14 +28,14 @@ std::vector<int> observations_by_frame(const Reconstruction& r) {
 }
 
 Rounds::Rounds(const MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job)
-    : sweep_(sweep), job_(job) {
+    : sweep_(&sweep), job_(job) {
   options_.focal_prior = focal;
 }
 
 void Rounds::round(const std::vector<Track>& tracks, double tolerance, double arc_sigma, Reconstruction& r) {
   place(tracks, tolerance, r);
   if (tolerance <= kFollowed[0] && options_.model != Model::rotation) leave_out_loners(r);
-  const double loss = sweep_.pixels(std::min(kLossOfTolerance * tolerance, kLargestLoss));
+  const double loss = sweep_->pixels(std::min(kLossOfTolerance * tolerance, kLargestLoss));
   options_.loss_px = (is_followed(tolerance) ? kFollowedLoss : 1) * loss;
   options_.arc_sigma = std::max(arc_sigma, least_sigma_);
   options_.pair_weight = pairs_count_ || tolerance == kFollowed[1] ? 1
@@ -55,12 +55,12 @@ void Rounds::decide_distortion(Reconstruction& r) {
 }
 
 void Rounds::place(const std::vector<Track>& tracks, double tolerance, Reconstruction& r) const {
-  r.tracks = place_good(tracks, sweep_.pixels(tolerance), options_.model == Model::rotation, r.bundle, job_);
+  r.tracks = place_good(tracks, sweep_->pixels(tolerance), options_.model == Model::rotation, r.bundle, job_);
 }
 
 // Where a frame has more than a few.
 void Rounds::leave_out_loners(Reconstruction& r) const {
-  const std::vector<bool> alone = loners(r.tracks, r.bundle, sweep_.pixels(kLoner));
+  const std::vector<bool> alone = loners(r.tracks, r.bundle, sweep_->pixels(kLoner));
   const std::vector<int> held = observations_by_frame(r);
   std::vector<Track> kept;
   Bundle bundle = r.bundle;

@@ -25,6 +25,7 @@ class Rounds {
   void leave_the_arc() { least_sigma_ = kFarArc; }
   void stay_on_the_arc() { least_sigma_ = 0; }
   bool on_an_arc() const { return least_sigma_ < kNoArc && options_.model != Model::rotation; }
+  void keep_the_bend() { options_.refine_distortion = false; }  // that the lens has
   bool bent() const { return options_.refine_distortion; }
   void use_threads(int threads) { job_.threads = std::max(1, threads); }  // as when several are at work
   void let_pairs_count() { pairs_count_ = true; }
@@ -40,7 +41,7 @@ class Rounds {
  private:
   void leave_out_loners(Reconstruction& r) const;
 
-  const MatchedSweep& sweep_;
+  const MatchedSweep* sweep_;
   Job job_;
   BundleOptions options_;
   bool pairs_count_ = false;  // as much as points that a third photo confirms

@@ -143,6 +143,16 @@ RelativeRotation spherical_rotation(const std::vector<RayPair>& pairs, double to
   return best;
 }
 
+RelativeRotation rotation_on_the_spot(const std::vector<RayPair>& pairs) {
+  RelativeRotation result{aligning_rotation(pairs), 0};
+  for (const RayPair& pair : pairs) {
+    const Eigen::Vector3d a = pair.a.homogeneous().normalized(), b = pair.b.homogeneous().normalized();
+    result.cost += std::log1p((b - result.b_from_a * a).squaredNorm() / (kParallax_rad * kParallax_rad));
+  }
+  result.cost /= static_cast<double>(pairs.size());
+  return result;
+}
+
 std::vector<Eigen::Matrix3d> average_rotations(int count, int first, const std::vector<RotationEdge>& edges,
                                                std::vector<bool>& reached) {
   std::vector<Eigen::Matrix3d> world(static_cast<size_t>(count), Eigen::Matrix3d::Identity());

@@ -17,11 +17,14 @@ struct RayPair {
 
 struct RelativeRotation {
   Eigen::Matrix3d b_from_a = Eigen::Matrix3d::Identity();
-  double cost = 0;  // mean of log(1 + (Sampson distance / tolerance)^2)
+  double cost = 0;  // mean of log(1 + (distance / tolerance)^2), Sampson's or of the rays
 };
 
 // The spherical motion that fits best; robust against a minority of wrong pairs. Tolerance on the plane z = 1.
 RelativeRotation spherical_rotation(const std::vector<RayPair>& pairs, double tolerance);
+
+// The rotation of a camera that does not move, which brings rays nearest to each other: robust against what is near.
+RelativeRotation rotation_on_the_spot(const std::vector<RayPair>& pairs);
 
 struct RotationEdge {
   int a = 0, b = 0;

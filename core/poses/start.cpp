@@ -8,6 +8,7 @@ namespace ldp {
 namespace {
 
 constexpr double kAgreeing = 12;         // pixels of 800 within which a start explains an observation
+constexpr double kClosing = 40;          // and by which a circle may miss its end before all steps share in that
 constexpr double kRightSide = 0.5;       // of what the best explains must others explain
 constexpr double kSurelyBeyond = -0.02;  // inverse distance of a point that is no point of a world right side out
 constexpr int kCoarsePerFrame = 50;      // observations per frame that decide between focal lengths
@@ -154,6 +155,14 @@ std::vector<Start> right_side_out(const MatchedSweep& sweep, const std::vector<T
   return candidates;
 }
 
+BundleOptions roughly(const MatchedSweep& sweep, const std::optional<FocalPrior>& prior) {
+  BundleOptions options;
+  options.focal_prior = prior.value_or(anybodys_lens(sweep));
+  options.loss_px = sweep.pixels(kOffTheSphere);
+  options.most_iterations = 30;
+  return options;
+}
+
 // The best of all turns: on the sphere first, the best few of them then near it.
 Start best_start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
                  BundleOptions options, const Job& job) {
@@ -181,17 +190,43 @@ Start best_start(const MatchedSweep& sweep, const std::vector<Track>& tracks, co
 Bundle start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
              const std::optional<FocalPrior>& prior, const Job& job) {
   const std::vector<Track> coarse = longest_tracks(tracks, sweep.frames(), kCoarsePerFrame);
-  BundleOptions options;
-  options.focal_prior = prior.value_or(anybodys_lens(sweep));
-  options.loss_px = sweep.pixels(kOffTheSphere);
+  BundleOptions options = roughly(sweep, prior);
   options.arc_sigma = kNearTheSphere;
-  options.most_iterations = 30;
   Start best = best_start(sweep, coarse, turns, options, job);
   const size_t all = best.bundle.observations.size();
   if (static_cast<double>(best.in_front) > kRightSide * static_cast<double>(all)) return std::move(best.bundle);
   options.in_front = true;
   Start other = best_start(sweep, coarse, turns, options, job);
   return std::move(other.in_front > best.in_front ? other.bundle : best.bundle);
+}
+
+Bundle start_on_the_spot(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
+                         const std::optional<FocalPrior>& prior, const Job& job) {
+  const std::vector<Track> coarse = longest_tracks(tracks, sweep.frames(), kCoarsePerFrame);
+  BundleOptions options = roughly(sweep, prior);
+  options.model = Model::rotation;
+  options.refine_distortion = true;
+  std::vector<Start> candidates(turns.size());
+  Job alone = job;  // of each candidate
+  alone.threads = 1;
+  parallel_for(job, static_cast<int>(turns.size()), [&](int i) {
+    const Turns& one = turns[static_cast<size_t>(i)];
+    Start& start = candidates[static_cast<size_t>(i)];
+    start.bundle.lens.focal_px = one.focal_px;
+    for (const Eigen::Matrix3d& r : one.world_from_camera) start.bundle.cameras.push_back({r, Eigen::Vector3d::Zero()});
+    place_all(coarse, start.bundle);
+    for (InversePoint& point : start.bundle.points) point.inverse_distance = 0;
+    adjust(start, options, alone);
+  });
+  candidates = best_of(std::move(candidates), kFreed);
+  for (const double loss : {kClosing, kOffTheSphere}) {
+    options.loss_px = sweep.pixels(loss);
+    parallel_for(job, static_cast<int>(candidates.size()),
+                 [&](int i) { adjust(candidates[static_cast<size_t>(i)], options, alone); });
+  }
+  Start best = std::move(best_of(std::move(candidates), 1).front());
+  for (Pose& pose : best.bundle.cameras) pose.centre = pose.world_from_camera.col(2);
+  return std::move(best.bundle);
 }
 
 }  // namespace ldp

@@ -15,6 +15,10 @@ namespace ldp {
 Bundle start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
              const std::optional<FocalPrior>& prior, const Job& job);
 
+// The same for cameras that stay where they are, with the lens: every point at infinity, and not adjusted further.
+Bundle start_on_the_spot(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
+                         const std::optional<FocalPrior>& prior, const Job& job);
+
 // Every track becomes a point of the bundle, well or badly (at an arm's length or five where it cannot be
 // triangulated).
 void place_all(const std::vector<Track>& tracks, Bundle& bundle);

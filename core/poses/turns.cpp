@@ -38,10 +38,13 @@ std::vector<RayPair> ray_pairs(const MatchedSweep& sweep, const PairMatches& pai
 
 // Photos are taken one after the other, so those next to each other show the same things; those farther apart may show
 // things that only look the same.
-std::vector<RotationEdge> rotation_edges(const MatchedSweep& sweep, double focal) {
+std::vector<RotationEdge> rotation_edges(const MatchedSweep& sweep, double focal, Turning turning) {
   std::vector<RotationEdge> edges;
   for (const PairMatches& pair : sweep.pairs) {
-    const RelativeRotation r = spherical_rotation(ray_pairs(sweep, pair, focal), sweep.pixels(kOffTheSphere) / focal);
+    const std::vector<RayPair> rays = ray_pairs(sweep, pair, focal);
+    const RelativeRotation r = turning == Turning::on_the_spot
+                                   ? rotation_on_the_spot(rays)
+                                   : spherical_rotation(rays, sweep.pixels(kOffTheSphere) / focal);
     const double trust = static_cast<double>(pair.matches.size()) / std::pow(pair.b - pair.a, kOneAfterTheOther);
     edges.push_back({pair.a, pair.b, r.b_from_a, trust * trust * std::exp(-r.cost)});
   }
@@ -100,12 +103,17 @@ std::vector<uint8_t> votes_for_turns(const MatchedSweep& sweep, const PairMatche
 
 }  // namespace
 
-std::vector<Turns> turns(const MatchedSweep& sweep, const std::optional<FocalPrior>& prior, const Job& job) {
+double view_of_longer_side(const MatchedSweep& sweep, double focal_px) {
+  return 2 * std::atan2(0.5 * std::max(sweep.features[0].width, sweep.features[0].height), focal_px);
+}
+
+std::vector<Turns> turns(const MatchedSweep& sweep, const std::optional<FocalPrior>& prior, Turning turning,
+                         const Job& job) {
   std::vector<Turns> all;
   for (const double focal : focal_hypotheses(sweep, prior)) all.push_back({focal, {}, {}});
   parallel_for(job, static_cast<int>(all.size()), [&](int i) {
     Turns& one = all[static_cast<size_t>(i)];
-    const std::vector<RotationEdge> edges = rotation_edges(sweep, one.focal_px);
+    const std::vector<RotationEdge> edges = rotation_edges(sweep, one.focal_px, turning);
     std::vector<bool> reached;
     one.world_from_camera = average_rotations(sweep.frames(), sweep.frames() / 2, edges, reached);
     Bundle spherical;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -16,6 +17,10 @@ namespace ldp {
 
 constexpr double kOffTheSphere = 4;  // hands leave the sphere: jitter shows as so many pixels of 800
 
+// Views of the longer side, radians: beyond these no camera's, however rare; and the view that these photos would have.
+constexpr double kTooWide = 125 * std::numbers::pi / 180, kTooNarrow = 8 * std::numbers::pi / 180;
+double view_of_longer_side(const MatchedSweep& sweep, double focal_px);
+
 // How the cameras turn, if their focal length is this.
 struct Turns {
   double focal_px = 0;
@@ -23,8 +28,11 @@ struct Turns {
   std::vector<std::vector<uint8_t>> votes;  // by pair of the sweep and match: how surely it shows that too
 };
 
+enum class Turning { on_the_sphere, on_the_spot };  // which motion of two frames tells how they turned
+
 // For several focal lengths, around the prior's or over all that cameras have.
-std::vector<Turns> turns(const MatchedSweep& sweep, const std::optional<FocalPrior>& prior, const Job& job);
+std::vector<Turns> turns(const MatchedSweep& sweep, const std::optional<FocalPrior>& prior, Turning turning,
+                         const Job& job);
 
 // The sweep's pairs but those that turn otherwise than the rest whatever the focal length: things that look the same
 // and are not.

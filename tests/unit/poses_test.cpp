@@ -19,6 +19,7 @@
 #include "motion.h"
 #include "picture.h"
 #include "points.h"
+#include "rounds.h"
 #include "scenes.h"
 #include "spherical.h"
 #include "sweep_path.h"
@@ -269,6 +270,18 @@ TEST(SphericalRotation, StaysWithWhatThePicturesShowWhereLinesTellLittle) {
     }
     EXPECT_LT(angle_deg(spherical_rotation(pairs, 0.0007).b_from_a, truth), 1) << "seed " << seed;
   }
+}
+
+TEST(RotationOnTheSpot, IsThatOfWhatIsFarAndNotHalfwayToWhatIsNear) {
+  const Eigen::Matrix3d truth = turn(1, 12, -2);
+  std::vector<RayPair> pairs = spherical_pairs(truth, 0, 0);
+  const std::vector<RayPair> near = spherical_pairs(truth, 0.6, 0.4);
+  pairs.insert(pairs.end(), near.begin(), near.begin() + 50);
+  const RelativeRotation found = rotation_on_the_spot(pairs);
+  EXPECT_LT(angle_deg(found.b_from_a, truth), 0.5);
+  EXPECT_GT(found.cost, 0.1);
+  pairs.resize(pairs.size() - 50);
+  EXPECT_NEAR(rotation_on_the_spot(pairs).cost, 0, 1e-9);
 }
 
 TEST(AverageRotations, ClosesALoopAndIgnoresAFalseEdge) {
@@ -571,7 +584,8 @@ PairMatches seen_twice(const KnownSweep& known, int a, int b) {
 
 TEST(WithoutContradictions, KeepsTheMatchesOfATrueSweep) {
   const KnownSweep known;
-  const std::vector<PairMatches> kept = without_contradictions(known.sweep.pairs, turns(known.sweep, {}, Job{}));
+  const std::vector<PairMatches> kept =
+      without_contradictions(known.sweep.pairs, turns(known.sweep, {}, Turning::on_the_sphere, Job{}));
   ASSERT_EQ(kept.size(), known.sweep.pairs.size());
   for (size_t i = 0; i < kept.size(); ++i)
     EXPECT_GT(kept[i].matches.size(), 0.95 * static_cast<double>(known.sweep.pairs[i].matches.size())) << i;
@@ -583,7 +597,8 @@ TEST(WithoutContradictions, LeavesOutThingsThatOnlyLookTheSame) {
   known.sweep.pairs.push_back(seen_twice(known, 1, 4));
   ASSERT_GE(known.sweep.pairs.back().matches.size(), 16U);
   const FocalPrior told{known.found.bundle.lens.focal_px, 0.1};
-  const std::vector<PairMatches> kept = without_contradictions(known.sweep.pairs, turns(known.sweep, told, Job{}));
+  const std::vector<PairMatches> kept =
+      without_contradictions(known.sweep.pairs, turns(known.sweep, told, Turning::on_the_sphere, Job{}));
   EXPECT_EQ(kept.size(), true_pairs);
 }
 
@@ -616,6 +631,35 @@ TEST(Doubt, TellsOfStepsThatNoThirdPhotoCompares) {
   EXPECT_THAT(known.doubted(), HasSubstr("hardly a point is seen in three photos"));
   EXPECT_THAT(known.doubted(), HasSubstr("--fov"));
   EXPECT_THAT(doubt(known.sweep, known.found, known.names, true), testing::Not(HasSubstr("--fov")));
+}
+
+TEST(Doubt, TellsOfALensThatNoCameraHas) {
+  KnownSweep known;
+  known.sweep.pairs.clear();
+  known.found.bundle.lens.focal_px = 1e4;
+  EXPECT_THAT(known.doubted(), HasSubstr("a camera that sees 5 degrees"));
+  EXPECT_THAT(known.doubted(), HasSubstr("--fov"));
+  EXPECT_EQ(doubt(known.sweep, known.found, known.names, true), "");
+}
+
+TEST(Rounds, KeepTheBendOfTheLensWhereAsked) {
+  KnownSweep known;
+  const std::vector<Track> tracks = known.found.tracks;
+  const Lens truth = known.found.bundle.lens;
+  known.found.bundle.lens.k1 = 0.04;
+  Rounds rounds(known.sweep, {}, Job{});
+  rounds.round(tracks, kMatched[2], kFarArc, known.found);
+  rounds.decide_distortion(known.found);
+  ASSERT_TRUE(rounds.bent());
+  EXPECT_NEAR(known.found.bundle.lens.k1, truth.k1, 0.005);
+  known.found.bundle.lens.k1 = 0.05;
+  Rounds keeping = rounds;
+  keeping.keep_the_bend();
+  Reconstruction kept = known.found;
+  keeping.round(tracks, kMatched[2], kFarArc, kept);
+  EXPECT_EQ(kept.bundle.lens.k1, 0.05);
+  rounds.round(tracks, kMatched[2], kFarArc, known.found);
+  EXPECT_NEAR(known.found.bundle.lens.k1, truth.k1, 0.005);
 }
 
 TEST(Doubt, NamesPhotosOfOneViewThatShareNothing) {
@@ -804,6 +848,27 @@ TEST(EstimatePoses, RecognisesARotationOnTheSpot) {
   const Poses poses = estimate_poses(Photos(rendered(0).images), PosesOptions{}, Job{});
   EXPECT_EQ(poses.report.motion, Motion::rotation);
   EXPECT_EQ(poses.cameras.size(), 8U);
+}
+
+// Narrow views, many steps and a lens that bends: a few degrees to the side would pass for a turn in every step, and
+// half the focal length with them.
+TEST(EstimatePoses, RecognisesARotationAllRoundThroughALensThatBends) {
+  const Scene scene(make_scene("courtyard", 1));
+  SweepPath path;
+  path.frames = 18;
+  path.arc_rad = 342 * kDegree;
+  path.radius = path.position_jitter = 0;
+  path.fov_rad = 36 * kDegree;
+  path.width = 300, path.height = 400;
+  path.k1 = -0.18;
+  const std::vector<Camera> truth = sweep_cameras(path);
+  std::vector<RgbImage> images;
+  for (const Camera& camera : truth) images.push_back(take_picture(scene, camera, PictureOptions{}, Job{}).colour);
+  const Poses poses = estimate_poses(Photos(images), PosesOptions{}, Job{});
+  EXPECT_EQ(poses.report.motion, Motion::rotation);
+  EXPECT_EQ(poses.report.doubt, "");
+  ASSERT_EQ(poses.cameras.size(), truth.size());
+  EXPECT_NEAR(poses.cameras[0].intrinsics.fx / truth[0].intrinsics.fx, 1, 0.01);
 }
 
 TEST(EstimatePoses, DropsAPhotoOfNothingAndNamesIt) {
