@@ -51,6 +51,25 @@ std::vector<RotationEdge> rotation_edges(const MatchedSweep& sweep, double focal
   return edges;
 }
 
+// World-from-camera of all. A group of frames that nothing connects with those before goes on from the frame before it:
+// a photo of nothing may stand anywhere, also in the middle, where averaging begins.
+std::vector<Eigen::Matrix3d> rotations(int frames, const std::vector<RotationEdge>& edges) {
+  std::vector<bool> reached;
+  std::vector<Eigen::Matrix3d> world = average_rotations(frames, frames / 2, edges, reached);
+  for (int first = 0; first < frames; ++first) {
+    if (reached[static_cast<size_t>(first)]) continue;
+    std::vector<bool> of_group;
+    const std::vector<Eigen::Matrix3d> group = average_rotations(frames, first, edges, of_group);
+    const Eigen::Matrix3d before = first > 0 ? world[static_cast<size_t>(first) - 1] : Eigen::Matrix3d::Identity();
+    for (size_t i = 0; i < group.size(); ++i) {
+      if (!of_group[i]) continue;
+      world[i] = before * group[i];
+      reached[i] = true;
+    }
+  }
+  return world;
+}
+
 std::vector<double> focal_hypotheses(const MatchedSweep& sweep, const std::optional<FocalPrior>& prior) {
   std::vector<double> focals;
   if (prior) {
@@ -114,8 +133,7 @@ std::vector<Turns> turns(const MatchedSweep& sweep, const std::optional<FocalPri
   parallel_for(job, static_cast<int>(all.size()), [&](int i) {
     Turns& one = all[static_cast<size_t>(i)];
     const std::vector<RotationEdge> edges = rotation_edges(sweep, one.focal_px, turning);
-    std::vector<bool> reached;
-    one.world_from_camera = average_rotations(sweep.frames(), sweep.frames() / 2, edges, reached);
+    one.world_from_camera = rotations(sweep.frames(), edges);
     Bundle spherical;
     spherical.lens.focal_px = one.focal_px;
     for (const Eigen::Matrix3d& r : one.world_from_camera) spherical.cameras.push_back({r, r.col(2)});

@@ -880,6 +880,14 @@ TEST(EstimatePoses, DropsAPhotoOfNothingAndNamesIt) {
   EXPECT_THAT(poses.report.frames[3].reason, HasSubstr("no texture"));
 }
 
+TEST(EstimatePoses, BearsAPhotoOfNothingInTheMiddle) {
+  std::vector<RgbImage> images = rendered(0.65).images;
+  images[images.size() / 2] = RgbImage(400, 300, Rgb{90, 90, 90});
+  const Poses poses = estimate_poses(Photos(images), PosesOptions{}, Job{});
+  EXPECT_EQ(poses.cameras.size(), images.size() - 1);
+  EXPECT_EQ(poses.report.motion, Motion::arc);
+}
+
 TEST(EstimatePoses, DropsAPhotoOfAnotherSizeAndSaysSo) {
   std::vector<RgbImage> images = rendered(0.65).images;
   images[7] = RgbImage(300, 400, Rgb{});
