@@ -57,6 +57,7 @@ InverseDepths depth_range(const PanoramaGrid& grid, const std::vector<Camera>& c
   if (!inverse.empty()) {
     range.near = kMargin * percentile(inverse, 1 - kLowestShare);
     range.far = percentile(inverse, kLowestShare) / kMargin;
+    range.near = std::max(range.near, options.matched_near);
     range.near = std::min(range.near, 1 / std::max(nearest_depth(grid.arc, cameras), 1e-12));
     range.far = std::min(range.far, 0.5 * range.near);
   }

@@ -12,6 +12,7 @@
 #include "exact_math.h"
 #include "layers.h"
 #include "memory.h"
+#include "near_bound.h"
 #include "rectify.h"
 #include "sweep.h"
 
@@ -104,36 +105,48 @@ class Build {
     grid.near_depth = options_.near_depth;
     grid.far_depth = options_.far_depth;
     watch_.lap("arc");
-    const double pitch_px = lay_finest_grid(grid);
+    lay_finest_grid(grid);
     watch_.lap("arc");
-    upright_ = rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc, pitch_px, job_);
+    upright_ =
+        rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc, grid.pitch_px, job_);
     watch_.lap("rectify");
+    if (grid.near_depth == 0 && poses_.report.motion != Motion::rotation) take_in_what_is_nearer(grid);
+    watch_.lap("arc");
   }
 
-  // Lays the finest grid that fits the memory allowed, and gives its pitch.
-  double lay_finest_grid(GridOptions options) {
-    const size_t allowed = options_.memory_bytes > 0 ? options_.memory_bytes : kEasyMemory;
-    bool tried_scratch = false;
-    for (;; options.pitch_px *= kCoarser) {
-      grid_ = lay_grid(report_.arc.arc, poses_.cameras, poses_.points, options);
-      const Intrinsics& k = poses_.cameras.front().intrinsics;
-      const size_t photo_px = static_cast<size_t>(k.width) * static_cast<size_t>(k.height);
-      columns_of_colour_ = columns_of_colour(grid_, poses_.cameras, poses_.points);
-      const ExpectedMemory needed =
-          expected_memory(grid_, columns_of_colour_, photo_px,
-                          upright_pixels(poses_.cameras, report_.arc.arc, options.pitch_px), options_.layers);
-      if (needed.all > allowed && !std::exchange(tried_scratch, true)) open_scratch(allowed);
-      if (options_.memory_bytes == 0 || (scratch_ ? needed.least : needed.all) <= allowed) {
-        if (options.pitch_px > 1)
-          report_.notes.push_back("to fit the memory allowed, a row of the panorama spans " +
-                                  std::to_string(options.pitch_px).substr(0, 4) + " of the photos'");
-        return options.pitch_px;
-      }
+  // Lays the finest grid that fits the memory allowed.
+  void lay_finest_grid(GridOptions& options) {
+    while (!lay(options)) {
       if (options.pitch_px > kCoarsest)
-        throw Impossible("this sweep needs at least " + mebibytes(scratch_ ? needed.least : needed.all) +
+        throw Impossible("this sweep needs at least " + mebibytes(scratch_ ? needed_.least : needed_.all) +
                          " of memory, " + mebibytes(options_.memory_bytes) +
                          " are allowed (--memory): allow more or use smaller photos");
+      options.pitch_px *= kCoarser;
     }
+    if (options.pitch_px > 1)
+      report_.notes.push_back("to fit the memory allowed, a row of the panorama spans " +
+                              std::to_string(options.pitch_px).substr(0, 4) + " of the photos'");
+  }
+
+  // Whether the grid fits the memory allowed; what does not fit goes to files where it may.
+  bool lay(const GridOptions& options) {
+    const size_t allowed = options_.memory_bytes > 0 ? options_.memory_bytes : kEasyMemory;
+    const Intrinsics& k = poses_.cameras.front().intrinsics;
+    const size_t photo_px = static_cast<size_t>(k.width) * static_cast<size_t>(k.height);
+    grid_ = lay_grid(report_.arc.arc, poses_.cameras, poses_.points, options);
+    columns_of_colour_ = columns_of_colour(grid_, poses_.cameras, poses_.points);
+    needed_ = expected_memory(grid_, columns_of_colour_, photo_px,
+                              upright_pixels(poses_.cameras, report_.arc.arc, options.pitch_px), options_.layers);
+    if (needed_.all > allowed && !std::exchange(tried_scratch_, true)) open_scratch(allowed);
+    return options_.memory_bytes == 0 || (scratch_ ? needed_.least : needed_.all) <= allowed;
+  }
+
+  // What is nearer than the feature points tell widens the range, and the grid a little.
+  void take_in_what_is_nearer(GridOptions options) {
+    const PanoramaGrid laid = grid_;
+    const int columns_laid = columns_of_colour_;
+    options.matched_near = matched_near(upright_, grid_, job_);
+    if (options.matched_near > grid_.w_near && !lay(options)) grid_ = laid, columns_of_colour_ = columns_laid;
   }
 
   void open_scratch(size_t allowed) {
@@ -384,6 +397,8 @@ class Build {
   std::unique_ptr<ScratchSpace> scratch_;
   Poses poses_;
   PanoramaGrid grid_;
+  ExpectedMemory needed_;  // for grid_
+  bool tried_scratch_ = false;
   int columns_of_colour_ = 1;  // to each of the columns in which depths are found
   std::vector<UprightFrame> upright_;
   bool last_ = true;  // is this the last iteration?

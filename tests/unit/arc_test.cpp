@@ -195,6 +195,21 @@ TEST(LayGrid, DepthsComeFromThePointsAndFarSceneryIsAtInfinity) {
   EXPECT_EQ(lay_grid(arc, cameras, shell(1, 40), GridOptions{}).w_far, 0);
 }
 
+TEST(LayGrid, WhatPhotosMatchNearerWidensTheRangeAsFarAsTheHandKeptToTheArc) {
+  const std::vector<Camera> cameras = sweep({});
+  const Arc arc = fit_arc(cameras, ArcOptions{}).arc;
+  GridOptions options;
+  const double points_tell = lay_grid(arc, cameras, shell(1, 4), options).w_near;
+  options.matched_near = 1.3 * points_tell;
+  EXPECT_NEAR(lay_grid(arc, cameras, shell(1, 4), options).w_near, 1.3 * points_tell, 0.01 * points_tell);
+  options.matched_near = 0.7 * points_tell;
+  EXPECT_EQ(lay_grid(arc, cameras, shell(1, 4), options).w_near, points_tell);
+  options.matched_near = 1e9;
+  EXPECT_LT(lay_grid(arc, cameras, shell(1, 4), options).w_near, 1e8);
+  options.near_depth = 2;
+  EXPECT_EQ(lay_grid(arc, cameras, shell(1, 4), options).w_near, 0.5);
+}
+
 TEST(LayGrid, GivenDepthsRule) {
   const std::vector<Camera> cameras = sweep({});
   GridOptions options;

@@ -12,6 +12,7 @@
 
 #include "kernels.h"
 #include "membrane.h"
+#include "near_bound.h"
 #include "simple_capture.h"
 #include "smooth.h"
 
@@ -281,6 +282,52 @@ TEST(Sweep, RefusesOptionsOutsideTheirRange) {
   EXPECT_THROW(Sweep(frames, grid, {}, {}, options), std::logic_error);
   EXPECT_THROW(Sweep(frames, grid, {}, DisparityMap(3, 3), {}), std::logic_error);
   EXPECT_THROW(Sweep(frames, grid, std::vector<VisibilityMap>(2), {}, {}), std::logic_error);
+}
+
+// Within the range but for what meets theta from -0.3 to -0.06, which is nearer by half.
+std::vector<UprightFrame> pictures_with_something_nearer(double w) {
+  std::vector<UprightFrame> frames = pictures(w);
+  for (int i = 0; i < 5; ++i) {
+    const UprightFrame nearer = picture_of_cylinder(0.3 - 0.15 * i, 1.5 * w, i, [](double theta, double height) {
+      return std::abs(theta + 0.18) < 0.12 ? texture(theta, height) : 0;
+    });
+    for (size_t k = 0; k < nearer.columns.samples.size(); ++k)
+      if (nearer.columns.samples[k] > 0) frames[static_cast<size_t>(i)].columns.samples[k] = nearer.columns.samples[k];
+  }
+  return frames;
+}
+
+TEST(MatchedNear, TakesInWhatMatchesNearerThanTheRange) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  for (const double times : {1.2, 1.35})
+    EXPECT_NEAR(matched_near(pictures(times * grid.w_near), grid, {}) / grid.w_near, times, 0.1);
+  EXPECT_NEAR(matched_near(pictures_with_something_nearer(0.55), grid, {}) / grid.w_near, 1.5 * 0.55 / 0.6, 0.1);
+}
+
+TEST(MatchedNear, IsTheRangesWhereAllMatchesWithinItOrNothingDoes) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  const auto plain = [](double, double) { return 100.0; };
+  std::vector<UprightFrame> wall, unlike;
+  for (int i = 0; i < 5; ++i) {
+    wall.push_back(picture_of_cylinder(0.3 - 0.15 * i, 0.9, i, plain));
+    unlike.push_back(picture_of_cylinder(0.3 - 0.15 * i, 0.2 + 0.9 * i, i));
+  }
+  const double beside = 1.1 * grid.w_near;  // as near as a label's reach: that may be the range's own
+  const auto pale = [](double theta, double height) { return 100 + texture(theta, height) / 8; };
+  std::vector<UprightFrame> little;
+  for (int i = 0; i < 5; ++i) little.push_back(picture_of_cylinder(0.3 - 0.15 * i, 0.8, i, pale));
+  for (const auto& frames : {pictures(0.25), pictures(0.6), pictures(beside), wall, unlike, little})
+    EXPECT_EQ(matched_near(frames, grid, {}), grid.w_near);
+}
+
+TEST(MatchedNear, IsTheSameAtAnyThreadCountAndInGridsSmallerThanABlock) {
+  PanoramaGrid grid = simple_grid(0.6);
+  const auto frames = pictures(0.78);
+  Job one, three;
+  one.threads = 1, three.threads = 3;
+  EXPECT_EQ(matched_near(frames, grid, one), matched_near(frames, grid, three));
+  grid.height = 7;
+  EXPECT_EQ(matched_near(frames, grid, one), grid.w_near);
 }
 
 TEST(Refine, FindsDepthsBetweenLabels) {
