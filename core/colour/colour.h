@@ -15,6 +15,7 @@
 #include "colour_costs.h"
 #include "disparity.h"
 #include "frames.h"
+#include "gain.h"
 #include "geometry.h"
 #include "job.h"
 #include "panorama.h"
@@ -87,8 +88,8 @@ struct Photographs {
   const FrameSource& frames;
   const std::vector<Camera>& cameras;
   const std::vector<int>& frame_of_camera;
-  std::vector<std::array<float, 3>> gains;  // per camera
-  int noise_range = 0;                      // see noise_range(); 0 = each pixel is taken from one photograph alone
+  std::vector<Gain> gains;  // per camera
+  int noise_range = 0;      // see noise_range(); 0 = each pixel is taken from one photograph alone
 };
 
 // One layer's choice of photographs (kNoSource = none) and where its colours go.

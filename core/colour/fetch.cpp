@@ -17,7 +17,7 @@ constexpr int kSameSurface = kDisparitySteps / (kLabels - 1);
 // One pixel of a border, met while its neighbour's photograph is in memory.
 struct SeamPixel {
   int x = 0, y = 0;
-  uint8_t own = 0, other = 0;
+  uint8_t own = 0, other = 0, side = 0;
   Colour seen{};
 };
 
@@ -100,13 +100,14 @@ class LayerFetch {
     for (int x = spans_[index].begin; x < spans_[index].end; ++x) {
       if (source[x] == kNoSource) continue;
       const bool own = source[x] == index;
-      if (!own && !borders(x, y, index)) continue;
+      const auto side = own ? std::nullopt : side_of(x, y, index);
+      if (!own && !side) continue;
       const double w = grid_.inverse_depth(disparity[x]);
       const Colour c = open.sample(index, x, y, w);
       if (own)
         task_.colour->at(x, y) = stored(open.mean(c, index, x, y, w));
       else
-        seams_of_row_[static_cast<size_t>(y)].push_back({x, y, source[x], index, c});
+        seams_of_row_[static_cast<size_t>(y)].push_back({x, y, source[x], index, *side, c});
     }
   }
 
@@ -114,7 +115,7 @@ class LayerFetch {
     for (const auto& row : seams_of_row_)
       for (const SeamPixel& p : row) {
         const Rgb c = task_.colour->at(p.x, p.y);
-        SeamSample s{p.x, p.y, p.own, p.other, p.seen};
+        SeamSample s{p.x, p.y, p.own, p.other, p.side, p.seen};
         s.step[0] -= c.r * kColourSteps, s.step[1] -= c.g * kColourSteps, s.step[2] -= c.b * kColourSteps;
         samples.push_back(s);
       }
@@ -143,14 +144,17 @@ class LayerFetch {
     }
   }
 
-  bool borders(int x, int y, uint8_t index) const {
+  // On which side of a pixel (kSides) the same surface is taken from photograph `index`.
+  std::optional<uint8_t> side_of(int x, int y, uint8_t index) const {
     const int d = task_.disparity->at(x, y);
-    const auto beside = [&](int nx, int ny) {
+    for (uint8_t side = 0; side < 4; ++side) {
+      int nx = x + kSides[side][0];
+      const int ny = y + kSides[side][1];
       if (grid_.wraps) nx = (nx + grid_.width) % grid_.width;
-      if (!task_.source->contains(nx, ny) || task_.source->at(nx, ny) != index) return false;
-      return std::abs(task_.disparity->at(nx, ny) - d) < kSameSurface;
-    };
-    return beside(x - 1, y) || beside(x + 1, y) || beside(x, y - 1) || beside(x, y + 1);
+      if (!task_.source->contains(nx, ny) || task_.source->at(nx, ny) != index) continue;
+      if (std::abs(task_.disparity->at(nx, ny) - d) < kSameSurface) return side;
+    }
+    return {};
   }
 
   const PanoramaGrid& grid_;

@@ -55,13 +55,12 @@ Colour interpolate(const RgbImage& photo, const Eigen::Vector2d& position_px) {
 
 }  // namespace
 
-PhotoSampler::PhotoSampler(const PanoramaGrid& grid, const Camera& camera, const std::array<float, 3>& gain)
-    : grid_(grid), intrinsics_(camera.intrinsics) {
+PhotoSampler::PhotoSampler(const PanoramaGrid& grid, const Camera& camera, const Gain& gain)
+    : grid_(grid), intrinsics_(camera.intrinsics), gain_(gain) {
   const Eigen::Matrix3d m = camera.pose.world_from_camera.transpose() * grid.arc.world_from_arc;
   const Eigen::Vector3d a = camera.pose.world_from_camera.transpose() * (grid.arc.centre - camera.pose.centre);
   for (int i = 0; i < 9; ++i) camera_from_arc_[static_cast<size_t>(i)] = snapped(m(i / 3, i % 3));
   for (int i = 0; i < 3; ++i) offset_[static_cast<size_t>(i)] = snapped(a[i]);
-  for (size_t k = 0; k < 3; ++k) gain_[k] = static_cast<int>(std::lround(gain[k] * 4096));
   taps_ = std::clamp(static_cast<int>(std::lround(grid.v_pitch * intrinsics_.fy)), 1, 4);
   for (int i = 0; i < grid.width * taps_; ++i) headings_.push_back(heading(grid.theta((i + 0.5) / taps_)));
 }
@@ -97,8 +96,8 @@ std::optional<Colour> PhotoSampler::sample_if_inside(const RgbImage& photo, int 
 }
 
 Colour PhotoSampler::mean(const Colour& sum, int count) const {
-  Colour colour{};
-  for (size_t k = 0; k < 3; ++k) colour[k] = static_cast<int>(int64_t{sum[k]} * gain_[k] / (int64_t{4096} * count));
+  Colour colour = gain_(sum, kColourSteps * count);
+  for (int& channel : colour) channel /= count;
   return colour;
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "gain.h"
 #include "geometry.h"
 #include "plane.h"
 #include "voxel_projection.h"
@@ -19,7 +20,7 @@ constexpr int kColourSteps = 16;
 // Where panorama pixels are larger than the photograph's, several samples spread over the pixel are averaged.
 class PhotoSampler {
  public:
-  PhotoSampler(const PanoramaGrid& grid, const Camera& camera, const std::array<float, 3>& gain);
+  PhotoSampler(const PanoramaGrid& grid, const Camera& camera, const Gain& gain);
 
   // Of pixel (x, y) at inverse depth w. The voxel must lie in front of the camera.
   Colour sample(const RgbImage& photo, int x, int y, double w) const;
@@ -34,8 +35,8 @@ class PhotoSampler {
   const PanoramaGrid& grid_;
   Intrinsics intrinsics_;
   std::array<double, 9> camera_from_arc_;
-  std::array<double, 3> offset_;   // arc centre minus camera centre, camera axes
-  std::array<int, 3> gain_;        // in 1/4096
+  std::array<double, 3> offset_;  // arc centre minus camera centre, camera axes
+  ExposureGain gain_;
   int taps_;                       // samples a side of a panorama pixel
   std::vector<Heading> headings_;  // of every sample along the panorama's width
 };

@@ -55,8 +55,7 @@ class OffsetField {
   }
 
   void add(const SeamSample& s) {
-    const size_t c = cell_of(s.x, s.y);
-    const int own = find(c, s.own), other = find(c, s.other);
+    const int own = find(cell_of(s.x, s.y), s.own), other = find(cell_beside(s), s.other);
     if (own < 0 || other < 0) return;
     std::array<double, 3> step{};
     for (size_t k = 0; k < 3; ++k) step[k] = kSeamWeight * s.step[k] / kColourSteps;
@@ -98,6 +97,10 @@ class OffsetField {
     return static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
   }
   size_t cell_of(int x, int y) const { return cell(x / cell_px_, y / cell_px_); }
+  size_t cell_beside(const SeamSample& s) const {
+    const int* step = kSides[s.side];
+    return cell_of((s.x + step[0] + grid_.width) % grid_.width, s.y + step[1]);
+  }
 
   Node& index(size_t c, uint8_t source) {
     for (Node& node : nodes_[c])

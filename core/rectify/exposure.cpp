@@ -12,10 +12,12 @@ namespace {
 constexpr int kBlocksAcross = 64;            // blocks along the longer side of a photo
 constexpr int kLowest = 16, kHighest = 240;  // channel values between which a pixel is trusted
 constexpr size_t kLeastSamples = 12;         // of a link
-constexpr double kDriftSigma = 0.1;          // prior: log gain of neighbouring photos differs by so much
-constexpr double kLeastLinkSigma = 0.003;    // a link is never trusted more than this
+// Prior, in logarithms: by how much neighbouring photos differ in exposure (automatic exposure goes a stop either way),
+// and each channel in its share of it (white balance).
+constexpr double kExposureSigma = 0.5, kTintSigma = 0.1;
+constexpr double kLeastLinkSigma = 0.003;  // a link is never trusted more than this
 constexpr double kLargestGain = 4;
-constexpr int kSweeps = 400, kRounds = 5;  // Gauss-Seidel sweeps in each round of re-weighting
+constexpr int kRounds = 5;  // of re-weighting
 
 struct Link {
   int a = 0, b = 0;
@@ -54,7 +56,11 @@ std::optional<Reading> read_at(const Camera& camera, const Thumbnail& thumbnail,
   return read_colour(thumbnail, project(camera.intrinsics, d));
 }
 
-// Log ratios b / a of what two photos see, per channel: of shared scene points, or of directions where points lack.
+// What is known of two photos' gains: their common factor, then each channel's over that. Tints differ much less than
+// exposures, and what misplaces samples tells little of them.
+constexpr size_t kFactors = 4;
+
+// Log ratios b / a of what two photos see, per factor: of shared scene points, or of directions where points lack.
 class Comparison {
  public:
   Comparison(const std::vector<Camera>& cameras, const std::vector<Thumbnail>& thumbnails, int a, int b)
@@ -83,19 +89,23 @@ class Comparison {
   }
 
   size_t samples() const { return ratios_[0].size(); }
-  std::vector<double>& ratios(size_t channel) { return ratios_[channel]; }
+  std::vector<double>& ratios(size_t factor) { return ratios_[factor]; }
 
  private:
   void add(const std::optional<Reading>& a, const Eigen::Vector3d& ray_from_b) {
     if (!a) return;
     const auto b = read_at(camera_b_, thumbnail_b_, ray_from_b);
     if (!b) return;
-    for (size_t c = 0; c < 3; ++c) ratios_[c].push_back(b->log_value[c] - a->log_value[c]);
+    std::array<double, 3> ratio{};
+    for (size_t c = 0; c < 3; ++c) ratio[c] = b->log_value[c] - a->log_value[c];
+    const double common = (ratio[0] + ratio[1] + ratio[2]) / 3;
+    ratios_[0].push_back(common);
+    for (size_t c = 0; c < 3; ++c) ratios_[c + 1].push_back(ratio[c] - common);
   }
 
   const Camera &camera_a_, &camera_b_;
   const Thumbnail &thumbnail_a_, &thumbnail_b_;
-  std::array<std::vector<double>, 3> ratios_;
+  std::array<std::vector<double>, kFactors> ratios_;
 };
 
 double median(std::vector<double>& values) {
@@ -112,13 +122,13 @@ Link link_of(std::vector<double>& ratios, int a, int b) {
   return link;
 }
 
-using Links = std::array<std::vector<Link>, 3>;
+using Links = std::array<std::vector<Link>, kFactors>;
 
 void compare(Comparison& comparison, const std::vector<const ScenePoint*>& shared, int a, int b, Links& links) {
   if (shared.size() >= kLeastSamples) comparison.add_points(shared);
   if (comparison.samples() < kLeastSamples) comparison.add_directions();
   if (comparison.samples() < kLeastSamples) return;
-  for (size_t c = 0; c < 3; ++c) links[c].push_back(link_of(comparison.ratios(c), a, b));
+  for (size_t f = 0; f < kFactors; ++f) links[f].push_back(link_of(comparison.ratios(f), a, b));
 }
 
 // The points that cameras a < b share, at [a * n + b].
@@ -138,8 +148,44 @@ bool may_overlap(const Camera& a, const Camera& b) {
   return exact_dot(a.pose.world_from_camera.col(2), b.pose.world_from_camera.col(2)) > 0.5;
 }
 
-// Log gains that fit the links best; links that contradict the others lose weight.
-std::vector<double> solve_links(const std::vector<Link>& links, size_t n) {
+// Least squares of differences, in a fixed order of plain sums (Gauss, no pivots: symmetric and positive definite).
+class NormalEquations {
+ public:
+  explicit NormalEquations(size_t n) : n_(n), left_(n * n, 0), right_(n, 0) {
+    for (size_t i = 0; i < n; ++i) left_[i * n + i] = kAnchor;
+  }
+
+  void add(const Link& link, double difference, double weight) {
+    const auto a = static_cast<size_t>(link.a), b = static_cast<size_t>(link.b);
+    left_[a * n_ + a] += weight, left_[b * n_ + b] += weight;
+    left_[a * n_ + b] -= weight, left_[b * n_ + a] -= weight;
+    right_[a] += weight * difference, right_[b] -= weight * difference;
+  }
+
+  std::vector<double> solution() {
+    for (size_t i = 0; i < n_; ++i)
+      for (size_t row = i + 1; row < n_; ++row) {
+        const double share = left_[row * n_ + i] / left_[i * n_ + i];
+        if (share == 0) continue;
+        for (size_t k = i; k < n_; ++k) left_[row * n_ + k] -= share * left_[i * n_ + k];
+        right_[row] -= share * right_[i];
+      }
+    std::vector<double> x(right_);
+    for (size_t i = n_; i-- > 0;) {
+      for (size_t k = i + 1; k < n_; ++k) x[i] -= left_[i * n_ + k] * x[k];
+      x[i] /= left_[i * n_ + i];
+    }
+    return x;
+  }
+
+ private:
+  static constexpr double kAnchor = 1e-3;  // pulls each unknown to zero, lest photos without links have no solution
+  size_t n_;
+  std::vector<double> left_, right_;
+};
+
+// Log factors that fit the links best; links that contradict the others lose weight.
+std::vector<double> solve_links(const std::vector<Link>& links, double prior_sigma, size_t n) {
   std::vector<double> x(n, 0), weight(links.size());
   for (int round = 0; round < kRounds; ++round) {
     for (size_t i = 0; i < links.size(); ++i) {
@@ -148,18 +194,13 @@ std::vector<double> solve_links(const std::vector<Link>& links, size_t n) {
       const double spread = error / (3 * link.sigma);
       weight[i] = (round == 0 ? 1 : 1 / (1 + spread * spread)) / (link.sigma * link.sigma);
     }
-    constexpr double kPrior = 1 / (kDriftSigma * kDriftSigma);
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
-      std::vector<double> sum(n, 0), total(n, 1e-3);
-      for (size_t i = 0; i < links.size(); ++i) {
-        const auto a = static_cast<size_t>(links[i].a), b = static_cast<size_t>(links[i].b);
-        sum[a] += weight[i] * (x[b] + links[i].log_ratio) + kPrior * x[b];
-        sum[b] += weight[i] * (x[a] - links[i].log_ratio) + kPrior * x[a];
-        total[a] += weight[i] + kPrior;
-        total[b] += weight[i] + kPrior;
-      }
-      for (size_t k = 0; k < n; ++k) x[k] = 0.5 * x[k] + 0.5 * sum[k] / total[k];
+    const double prior = 1 / (prior_sigma * prior_sigma);
+    NormalEquations equations(n);
+    for (size_t i = 0; i < links.size(); ++i) {
+      equations.add(links[i], links[i].log_ratio, weight[i]);
+      equations.add(links[i], 0, prior);
     }
+    x = equations.solution();
   }
   double mean = 0;
   for (const double value : x) mean += value / static_cast<double>(n);
@@ -211,10 +252,11 @@ std::vector<Gain> exposure_gains(const std::vector<Camera>& cameras, const std::
     }
   }
   std::vector<Gain> gains(n);
+  const auto exposure = solve_links(links[0], kExposureSigma, n);
   for (size_t c = 0; c < 3; ++c) {
-    const auto log_gain = solve_links(links[c], n);
+    const auto tint = solve_links(links[c + 1], kTintSigma, n);
     for (size_t i = 0; i < n; ++i) {
-      const double gain = std::clamp(exact_exp(log_gain[i]), 1 / kLargestGain, kLargestGain);
+      const double gain = std::clamp(exact_exp(exposure[i] + tint[i]), 1 / kLargestGain, kLargestGain);
       gains[i][c] = static_cast<float>(std::floor(gain * 1024 + 0.5) / 1024);
     }
   }

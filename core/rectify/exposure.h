@@ -9,6 +9,7 @@
 #include <array>
 #include <vector>
 
+#include "gain.h"
 #include "geometry.h"
 #include "plane.h"
 
@@ -23,7 +24,6 @@ struct Thumbnail {
 
 Thumbnail make_thumbnail(const RgbImage& photo);
 
-using Gain = std::array<float, 3>;
 std::vector<Gain> exposure_gains(const std::vector<Camera>& cameras, const std::vector<Thumbnail>& thumbnails,
                                  const std::vector<ScenePoint>& points);
 

@@ -19,7 +19,8 @@ namespace {
 
 constexpr int kStrip = 32;                                      // columns resampled between two looks at the job
 constexpr size_t kBytesPerPixel = 10, kBytesAtOnce = 32 << 20;  // of photos being worked on
-constexpr std::array<double, 3> kLuma = {0.299, 0.587, 0.114};
+constexpr std::array<int, 3> kLuma = {299, 587, 114};           // ITU-R BT.601
+constexpr int kLumaSum = 1000;
 
 RgbImage load_checked(const FrameSource& frames, int index, const Camera& camera) {
   RgbImage photo = frames.load(index);
@@ -32,34 +33,37 @@ RgbImage load_checked(const FrameSource& frames, int index, const Camera& camera
   return photo;
 }
 
-using GainTable = std::array<uint16_t, 256>;
+// Of red, green and blue, in kSampleScale levels.
+struct Sample {
+  int r = 0, g = 0, b = 0;
 
-GainTable gain_table(float gain, double weight) {
-  GainTable table{};
-  for (int value = 0; value < 256; ++value) {
-    const double scaled = value * static_cast<double>(gain) * weight * kSampleScale;
-    table[static_cast<size_t>(value)] = static_cast<uint16_t>(std::min(scaled + 0.5, weight * 255 * kSampleScale));
+  Sample(Rgb p, const ExposureGain& gain) {
+    const auto scaled = [](int level) { return level * kSampleScale; };
+    const auto even = gain({scaled(p.r), scaled(p.g), scaled(p.b)}, kSampleScale);
+    r = std::min(even[0], kHighest), g = std::min(even[1], kHighest), b = std::min(even[2], kHighest);
   }
-  return table;
-}
+
+ private:
+  static constexpr int kHighest = 255 * kSampleScale;
+};
 
 Plane<uint16_t> weighted_grey(const RgbImage& photo, const Gain& gain) {
-  const GainTable r = gain_table(gain[0], kLuma[0]), g = gain_table(gain[1], kLuma[1]),
-                  b = gain_table(gain[2], kLuma[2]);
+  const ExposureGain even(gain);
   Plane<uint16_t> grey(photo.width, photo.height);
   for (size_t i = 0; i < photo.samples.size(); ++i) {
-    const Rgb p = photo.samples[i];
-    grey.samples[i] = static_cast<uint16_t>(r[p.r] + g[p.g] + b[p.b]);
+    const Sample s(photo.samples[i], even);
+    grey.samples[i] =
+        static_cast<uint16_t>((kLuma[0] * s.r + kLuma[1] * s.g + kLuma[2] * s.b + kLumaSum / 2) / kLumaSum);
   }
   return grey;
 }
 
 Plane<uint16_t> red_minus_green(const RgbImage& photo, const Gain& gain) {
-  const GainTable r = gain_table(gain[0], 1), g = gain_table(gain[1], 1);
+  const ExposureGain even(gain);
   Plane<uint16_t> tint(photo.width, photo.height);
   for (size_t i = 0; i < photo.samples.size(); ++i) {
-    const Rgb p = photo.samples[i];
-    tint.samples[i] = static_cast<uint16_t>(std::clamp(128 * kSampleScale + r[p.r] - g[p.g], 0, 255 * kSampleScale));
+    const Sample s(photo.samples[i], even);
+    tint.samples[i] = static_cast<uint16_t>(std::clamp(128 * kSampleScale + s.r - s.g, 0, 255 * kSampleScale));
   }
   return tint;
 }

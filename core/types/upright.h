@@ -4,10 +4,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "gain.h"
 #include "geometry.h"
 #include "plane.h"
 
@@ -32,8 +32,8 @@ struct UprightFrame {
   UprightCamera camera;
   GreyImage columns, tint;
   std::vector<int16_t> valid_begin, valid_end;
-  std::array<float, 3> gain = {1, 1, 1};  // multiplies R, G, B of this photograph to match the others
-  float noise = 0;                        // of the photograph's grey from one pixel to the next, deviation in levels
+  Gain gain = {1, 1, 1};  // of this photograph to match the others
+  float noise = 0;        // of the photograph's grey from one pixel to the next, deviation in levels
 };
 
 }  // namespace ldp

@@ -12,6 +12,7 @@
 #include "build_report.h"
 #include "build_setup.h"
 #include "commands.h"
+#include "gain.h"
 #include "images.h"
 #include "output.h"
 #include "progress_bar.h"
@@ -70,8 +71,6 @@ Split split(const PreparedBuild& prepared, int every, const Job& job) {
   return result;
 }
 
-using Gain = std::array<float, 3>;
-
 // The exposure that a left-out photo may be expected to have: between those of the photos before and after it.
 Gain expected_gain(const Split& split, size_t test, const std::map<std::string, Gain>& gains) {
   const int frame = split.test_frames[test];
@@ -90,11 +89,13 @@ Gain expected_gain(const Split& split, size_t test, const std::map<std::string, 
 
 // A picture as a photo of that gain would show it.
 void expose(RgbImage& picture, const Gain& gain) {
-  const auto exposed = [](uint8_t sample, float factor) {
-    return static_cast<uint8_t>(std::clamp(std::lround(static_cast<float>(sample) / factor), 0L, 255L));
-  };
-  for (Rgb& pixel : picture.samples)
-    pixel = {exposed(pixel.r, gain[0]), exposed(pixel.g, gain[1]), exposed(pixel.b, gain[2])};
+  const ExposureGain exposed({1 / gain[0], 1 / gain[1], 1 / gain[2]});
+  constexpr int kUnits = 16;
+  const auto stored = [](int channel) { return static_cast<uint8_t>(std::min(255, (channel + kUnits / 2) / kUnits)); };
+  for (Rgb& pixel : picture.samples) {
+    const auto c = exposed({pixel.r * kUnits, pixel.g * kUnits, pixel.b * kUnits}, kUnits);
+    pixel = {stored(c[0]), stored(c[1]), stored(c[2])};
+  }
 }
 
 struct Row {

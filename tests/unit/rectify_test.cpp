@@ -100,5 +100,36 @@ TEST(Noise, IsThatOfThePlainestPartsWhereNothingIsClipped) {
   EXPECT_EQ(noise_found(255, 255, 0), 0);
 }
 
+// A camera turns along a coarse pattern with automatic exposure and white balance: neighbours overlap by a fifth.
+// What each shows is rough by half, so that no link is exact.
+TEST(Exposure, LargeStepsFromPhotoToPhotoAreFoundInEachChannel) {
+  constexpr double kTurn = 1;
+  const std::vector<Gain> shown = {{60, 62, 58},    {140, 130, 150}, {62, 60, 62},
+                                   {140, 150, 135}, {50, 55, 48},    {140, 150, 148}};
+  std::vector<Camera> cameras;
+  std::vector<RgbImage> photos;
+  std::mt19937 random(3);
+  for (const Gain& levels : shown) {
+    cameras.push_back(test::camera_at(kTurn * static_cast<double>(cameras.size())));
+    cameras.back().pose.centre.setZero();
+    RgbImage photo(cameras.back().intrinsics.width, cameras.back().intrinsics.height);
+    for (int y = 0; y < photo.height; y += 4)
+      for (int x = 0; x < photo.width; x += 4) {
+        const float rough = 0.5F + static_cast<float>(random()) / 4294967296.0F;
+        for (int i = 0; i < 16; ++i)
+          photo.at(x + i % 4, y + i / 4) = {static_cast<uint8_t>(rough * levels[0]),
+                                            static_cast<uint8_t>(rough * levels[1]),
+                                            static_cast<uint8_t>(rough * levels[2])};
+      }
+    photos.push_back(std::move(photo));
+  }
+  const auto frames = rectify(test::FramesInMemory(photos), cameras, {0, 1, 2, 3, 4, 5}, {}, Arc(), 1, {});
+  for (size_t i = 1; i < frames.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) {
+      const float found = frames[i].gain[c] / frames[i - 1].gain[c];
+      EXPECT_NEAR(found * shown[i][c] / shown[i - 1][c], 1, 0.15) << "photo " << i << " channel " << c;
+    }
+}
+
 }  // namespace
 }  // namespace ldp

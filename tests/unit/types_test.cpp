@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
 
 #include "disparity.h"
+#include "gain.h"
 #include "geometry.h"
 #include "job.h"
 
@@ -189,6 +191,35 @@ TEST(ParallelFor, StopsWhenTheJobIsStopped) {
   Job job;
   job.stop = source.get_token();
   EXPECT_THROW(parallel_for(job, 10, [](int) {}), Cancelled);
+}
+
+TEST(ExposureGain, IsAFactorBelowTheShoulder) {
+  const ExposureGain gain({0.5F, 1.25F, 2});
+  EXPECT_EQ(gain({100, 100, 50}, 1), (std::array{50, 125, 100}));
+  EXPECT_EQ(gain({1600, 1608, 800}, 16), (std::array{800, 2010, 1600}));
+}
+
+TEST(ExposureGain, LeavesWhatIsClippedAndItsHue) {
+  for (const float g : {0.25F, 0.9F, 1.1F, 4.0F}) {
+    const ExposureGain gain({g, 1.1F * g, 0.9F * g});
+    EXPECT_EQ(gain({255, 255, 255}, 1), (std::array{255, 255, 255}));
+    EXPECT_EQ(gain({100, 150, 255}, 1), (std::array{100, 150, 255}));
+  }
+}
+
+TEST(ExposureGain, RisesWithoutJumpsToWhite) {
+  constexpr int kUnits = 16;
+  for (const float g : {0.3F, 0.8F, 1.0F, 1.3F, 3.0F}) {
+    const ExposureGain gain({g, g, g});
+    int before = 0;
+    for (int v = 0; v <= 255 * kUnits; ++v) {
+      const int to = gain({v, v, v}, kUnits)[0];
+      ASSERT_GE(to, before - 1) << g << " " << v;
+      ASSERT_LE(to, before + 14) << g << " " << v;
+      before = to;
+    }
+    EXPECT_EQ(before, 255 * kUnits);
+  }
 }
 
 }  // namespace
