@@ -19,9 +19,9 @@ constexpr int kGlanceLabels = 8, kGlanceSubsteps = 3;
 constexpr int kMatches = 20, kLess = 10;
 constexpr int kMostOfBlock = kBlock * kBlock * 3 / 4;
 
-// Of the blocks looked at. Repeated columns and railings match nearer than they are, but seldom all over a block: 0.01 %
-// of the blocks of atrium_360 and none of the other photo sets'; 0.38 % of the garden's, where leaves hang at half the
-// depth of the nearest point.
+// Of the blocks looked at. Repeated columns and railings match nearer than they are, but seldom all over a block: 0.01
+// % of the blocks of atrium_360 and none of the other photo sets'; 0.38 % of the garden's, where leaves hang at half
+// the depth of the nearest point.
 constexpr double kLeastShare = 0.002;
 constexpr double kHeld = 0.8;  // of the blocks that match nearer
 
@@ -38,8 +38,8 @@ class NearBound {
   NearBound(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid)
       : all_depths_(widened(grid)),
         nearer_depths_(nearer(grid)),
-        last_within_(static_cast<int>((kLabels - 1) * (grid.w_near - grid.w_far) / (all_depths_.w_near - grid.w_far) +
-                                      0.25)),
+        last_within_(
+            static_cast<int>((kLabels - 1) * (grid.w_near - grid.w_far) / (all_depths_.w_near - grid.w_far) + 0.25)),
         glance_(frames, nearer_depths_, {}, {}, glancing()),
         sweep_(frames, all_depths_, {}, {}, {}) {}
 
