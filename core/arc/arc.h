@@ -28,7 +28,7 @@ ArcFit fit_arc(const std::vector<Camera>& cameras, const ArcOptions& options);
 struct GridOptions {
   Rays rays = Rays::pushbroom;
   double pitch_px = 1;   // panorama pitch in photo pixels: d_theta = d_v = pitch_px / focal
-  // Inverse depth to which photos match nearer than the points tell (near_bound.h); 0 = not known.
+  // Inverse depth to which photos match nearer than the points tell (sweep.h); 0 = not known.
   double matched_near = 0;
   double near_depth = 0, far_depth = 0;  // 0 = from the points (2nd and 98th percentile, with a margin; far becomes infinity when > 100 r)
 };

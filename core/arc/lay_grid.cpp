@@ -183,9 +183,16 @@ PanoramaGrid lay_grid(const Arc& arc, const std::vector<Camera>& cameras, const 
   grid.arc = arc;
   grid.rays = options.rays;
   grid.theta_pitch = 1, grid.v_pitch = 1;
-  const InverseDepths range = depth_range(grid, cameras, points, options);
-  grid.w_far = range.far;
-  grid.w_near = range.near;
+  const auto take_range = [&](const GridOptions& from) {
+    const InverseDepths range = depth_range(grid, cameras, points, from);
+    grid.w_far = range.far, grid.w_near = range.near;
+  };
+  take_range(options);
+  if (nearly_straight(grid)) {  // where the range rules the pitch, too, feature points alone tell it
+    GridOptions told = options;
+    told.matched_near = 0;
+    take_range(told);
+  }
 
   Extent theta{arc.theta_begin, arc.theta_end}, v;
   extend(grid, cameras, theta, v);

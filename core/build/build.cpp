@@ -12,7 +12,6 @@
 #include "exact_math.h"
 #include "layers.h"
 #include "memory.h"
-#include "near_bound.h"
 #include "rectify.h"
 #include "sweep.h"
 
@@ -111,7 +110,7 @@ class Build {
         rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc, grid.pitch_px, job_);
     watch_.lap("rectify");
     if (grid.near_depth == 0 && poses_.report.motion != Motion::rotation) take_in_what_is_nearer(grid);
-    watch_.lap("arc");
+    watch_.lap("depth range");
   }
 
   // Lays the finest grid that fits the memory allowed.
@@ -141,11 +140,13 @@ class Build {
     return options_.memory_bytes == 0 || (scratch_ ? needed_.least : needed_.all) <= allowed;
   }
 
-  // What is nearer than the feature points tell widens the range, and the grid a little.
+  // What is nearer than the feature points tell widens the range, and the grid a little; not where memory does not allow
+  // it. (Scratch files cannot take the upright frames any more.)
   void take_in_what_is_nearer(GridOptions options) {
     const PanoramaGrid laid = grid_;
     const int columns_laid = columns_of_colour_;
     options.matched_near = matched_near(upright_, grid_, job_);
+    tried_scratch_ = true;
     if (options.matched_near > grid_.w_near && !lay(options)) grid_ = laid, columns_of_colour_ = columns_laid;
   }
 
@@ -397,7 +398,7 @@ class Build {
   std::unique_ptr<ScratchSpace> scratch_;
   Poses poses_;
   PanoramaGrid grid_;
-  ExpectedMemory needed_;  // for grid_
+  ExpectedMemory needed_;  // for the grid laid last
   bool tried_scratch_ = false;
   int columns_of_colour_ = 1;  // to each of the columns in which depths are found
   std::vector<UprightFrame> upright_;

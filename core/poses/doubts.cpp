@@ -89,7 +89,7 @@ class Doubts {
     const double view = view_of_longer_side(sweep_, r_.bundle.lens.focal_px);
     if (focal_known || (view > kTooNarrow && view < kTooWide)) return {};
     return "they are those of a camera that sees " + std::to_string(std::lround(view * 180 / std::numbers::pi)) +
-           " degrees, which none does: give the field of view (--fov)";
+           " degrees, which hardly any does: give the field of view (--fov)";
   }
 
   // Two photos of one view by their poses, that have nothing in common.

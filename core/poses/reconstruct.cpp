@@ -211,6 +211,8 @@ void first_round(const MatchedSweep& sweep, const std::vector<Track>& tracks, Ro
 bool torn(const MatchedSweep& sweep, const Reconstruction& r) {
   double all = 0, against = 0;
   const std::vector<int> group = groups(sweep, [&](const PairMatches& pair) {
+    const auto posed = [&](int frame) { return r.dropped[static_cast<size_t>(frame)].empty(); };
+    if (!posed(pair.a) || !posed(pair.b)) return false;
     const double matches = static_cast<double>(pair.matches.size());
     const bool holds = agreeing_share(sweep, r.bundle, pair, sweep.pixels(kTornPixels)) >= kTorn;
     all += matches;
@@ -257,7 +259,7 @@ void try_general_motion(const MatchedSweep& sweep, const std::vector<Track>& tra
   spherical.tracks = place_good(tracks, sweep.pixels(kMatched[2]), false, spherical.bundle, job);
   const auto count = [](const Reconstruction& r) { return static_cast<double>(observations(r.tracks)); };
   const bool poor = count(spherical) <= kEnough * static_cast<double>(observations(tracks));
-  const bool lens = a_cameras(sweep, result.bundle.lens.focal_px);
+  const bool lens = focal || a_cameras(sweep, result.bundle.lens.focal_px);
   if (!poor && lens && !torn(sweep, result)) return;
   std::optional<GeneralStart> start = general_start(sweep, tracks, focal, result.bundle.lens.focal_px, job);
   if (!start) return;

@@ -17,7 +17,7 @@ namespace ldp {
 
 constexpr double kOffTheSphere = 4;  // hands leave the sphere: jitter shows as so many pixels of 800
 
-// Views of the longer side, radians: beyond these no camera's, however rare; and the view that these photos would have.
+// Views of the longer side, radians: beyond these hardly any camera's; and the view that these photos would have.
 constexpr double kTooWide = 125 * std::numbers::pi / 180, kTooNarrow = 8 * std::numbers::pi / 180;
 double view_of_longer_side(const MatchedSweep& sweep, double focal_px);
 

@@ -6,7 +6,7 @@
 // How: the upright camera keeps the photo's centre and, divided by the pitch, its focal length; its image spans the
 // photo's outline, but at most kMaxUprightTangent either side of its axis. Samples are Catmull-Rom interpolated at
 // positions rounded to 1/256 pixel, lens distortion included; integer from photo to sample. Slow shading is taken out
-// first (flatten.h). Gains (exposure.h) are one factor per frame and channel. Photographs are worked on in parallel, as
+// first (flatten.h). Gains (exposure.h; gain.h) are one per frame and channel. Photographs are worked on in parallel, as
 // many as fit 32 MiB; each is decoded twice (exposure first, then samples).
 #pragma once
 

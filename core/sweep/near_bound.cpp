@@ -1,10 +1,8 @@
-#include "near_bound.h"
+#include "sweep.h"
 
 #include <algorithm>
 #include <array>
 #include <numeric>
-
-#include "sweep.h"
 
 namespace ldp {
 namespace {
@@ -23,6 +21,7 @@ constexpr int kMostOfBlock = kBlock * kBlock * 3 / 4;
 // % of the blocks of atrium_360 and none of the other photo sets'; 0.38 % of the garden's, where leaves hang at half
 // the depth of the nearest point.
 constexpr double kLeastShare = 0.002;
+constexpr int kLeastBlocks = 4;
 constexpr double kHeld = 0.8;  // of the blocks that match nearer
 
 using Costs = std::vector<uint8_t>;
@@ -112,7 +111,7 @@ class NearBound {
 }  // namespace
 
 double matched_near(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, const Job& job) {
-  if (grid.width < kBlock || grid.height < kBlock) return grid.w_near;
+  if (grid.width < kBlock || grid.height < kBlock || grid.w_far >= grid.w_near) return grid.w_near;
   const NearBound bound(frames, grid);
   std::vector<Tally> strips(static_cast<size_t>((grid.width - kBlock) / kStrips + 1));
   parallel_for(job, static_cast<int>(strips.size()),
@@ -123,7 +122,7 @@ double matched_near(const std::vector<UprightFrame>& frames, const PanoramaGrid&
     for (size_t label = 0; label < all.nearer.size(); ++label) all.nearer[label] += strip.nearer[label];
   }
   const int nearer = std::accumulate(all.nearer.begin(), all.nearer.end(), 0);
-  if (nearer < kLeastShare * all.blocks) return grid.w_near;
+  if (nearer < std::max<double>(kLeastBlocks, kLeastShare * all.blocks)) return grid.w_near;
   int label = 0;
   for (int held = all.nearer[0]; held < kHeld * nearer;) held += all.nearer[static_cast<size_t>(++label)];
   return bound.inverse_depth(label);

@@ -57,4 +57,9 @@ class Sweep final : public CostSource {
 // outlines moved to the image's edges. Pixels where `mask` is 0 get kNoDisparity (empty mask: none).
 DisparityMap refine(const Sweep& sweep, const Plane<uint8_t>& labels, const Plane<uint8_t>& mask, const Job& job);
 
+// How near things come that no feature point told of (leaves, chair backs, sleeves): the inverse depth that holds what,
+// in a part of the grid's columns, matches nearer than its range and nowhere within it. grid.w_near where hardly
+// anything does; at most 1.5 times it, since labels are so few.
+double matched_near(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, const Job& job);
+
 }  // namespace ldp

@@ -87,7 +87,7 @@ Gain expected_gain(const Split& split, size_t test, const std::map<std::string, 
   return expected;
 }
 
-// A picture as a photo of that gain would show it.
+// A picture about as a photo of that gain would show it: of bright colours, which gains bend (gain.h), near enough.
 void expose(RgbImage& picture, const Gain& gain) {
   const ExposureGain exposed({1 / gain[0], 1 / gain[1], 1 / gain[2]});
   constexpr int kUnits = 16;

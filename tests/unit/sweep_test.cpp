@@ -7,12 +7,12 @@
 #include <cmath>
 #include <random>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "kernels.h"
 #include "membrane.h"
-#include "near_bound.h"
 #include "simple_capture.h"
 #include "smooth.h"
 
@@ -320,14 +320,16 @@ TEST(MatchedNear, IsTheRangesWhereAllMatchesWithinItOrNothingDoes) {
     EXPECT_EQ(matched_near(frames, grid, {}), grid.w_near);
 }
 
-TEST(MatchedNear, IsTheSameAtAnyThreadCountAndInGridsSmallerThanABlock) {
+TEST(MatchedNear, IsTheSameAtAnyThreadCountAndLeavesGridsAloneThatHoldNoBlockOrNoDepths) {
   PanoramaGrid grid = simple_grid(0.6);
   const auto frames = pictures(0.78);
   Job one, three;
   one.threads = 1, three.threads = 3;
   EXPECT_EQ(matched_near(frames, grid, one), matched_near(frames, grid, three));
-  grid.height = 7;
-  EXPECT_EQ(matched_near(frames, grid, one), grid.w_near);
+  for (const auto& [width, height, w_far] : {std::tuple{100, 7, 0.0}, {7, 60, 0.0}, {100, 60, 0.6}, {100, 60, 0.9}}) {
+    grid.width = width, grid.height = height, grid.w_far = w_far;
+    EXPECT_EQ(matched_near(frames, grid, one), grid.w_near) << width << "x" << height << " from " << w_far;
+  }
 }
 
 TEST(Refine, FindsDepthsBetweenLabels) {
