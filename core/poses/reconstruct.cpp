@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "follow.h"
-#include "gather.h"
 #include "general.h"
 #include "guided.h"
 #include "motion.h"
@@ -312,8 +311,7 @@ Reconstruction reconstruct(MatchedSweep& sweep, const std::optional<FocalPrior>&
   last_matched_round(sweep, tracks, rounds, job, result);
   job.report("adjusting", 0.8);
   settle(sweep, tracks, rounds, job, result);
-  rounds.decide_distortion(result);  // before corners join: it compares costs of the same points
-  if (result.motion != Motion::rotation) gather_corners(sweep, job, result);
+  rounds.decide_distortion(result);
   job.report("adjusting", 0.9);
   followed_round(sweep, tracks, kFollowed[1], explained(sweep, tracks, result, job), rounds, job, result);
   drop_unheld(result);

@@ -40,7 +40,6 @@ class Rounds {
 
  private:
   void leave_out_loners(Reconstruction& r) const;
-  double noise_px(const Reconstruction& r) const;
 
   const MatchedSweep* sweep_;
   Job job_;
@@ -48,13 +47,7 @@ class Rounds {
   bool pairs_count_ = false;  // as much as points that a third photo confirms
   double least_sigma_ = 0;
   double cost_ = 0;
-  double believed_sigma_ = 0;  // of the arc prior in the last round: the scatter about the circle that the round before
-                               // found, over the noise of observations, because the prior's deviations are added to
-                               // those of the data, which are in pixels
 };
-
-// How far cameras that observations hold are from their places on the sphere: deviation of a coordinate, radii.
-double scatter_about_arc(const Reconstruction& r);
 
 std::vector<int> observations_by_frame(const Reconstruction& r);
 

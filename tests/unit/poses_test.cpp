@@ -23,7 +23,6 @@
 #include "scenes.h"
 #include "spherical.h"
 #include "sweep_path.h"
-#include "whole_tracks.h"
 
 namespace ldp {
 namespace {
@@ -349,38 +348,6 @@ TEST(Adjust, BelievesPointsThatAThirdCameraConfirmsRatherThanPairsAgainstThem) {
   EXPECT_LT(gap_at_weight(0.05), 0.2 * gap_at_weight(1));
 }
 
-// A truth whose points three cameras each see, the last of them another thing of every tenth, beside it along the path,
-// as where an edge lies before what is farther: any depth leaves all three observations wrong.
-Bundle with_edges(const Bundle& truth) {
-  Bundle bundle = truth;
-  std::erase_if(bundle.observations,
-                [](const BundleObservation& o) { return std::abs(o.camera - o.point % 6 - 1) > 1; });
-  for (BundleObservation& o : bundle.observations) {
-    if (o.point % 10 == 0 && o.camera == o.point % 6 + 2) o.position_px.x() += 6;
-  }
-  return bundle;
-}
-
-TEST(AdjustWholeTracks, BelievesNothingOfATrackThatShowsTwoThings) {
-  const Bundle truth = true_bundle(Model::free);
-  BundleOptions options;
-  options.loss_px = 0.5;
-  options.refine_focal = false;
-  options.arc_sigma = 10;
-  Bundle bundle = with_edges(truth);
-  ASSERT_TRUE(adjust(bundle, options, Job{}).usable);
-  const auto gap = [&] {
-    const auto between = [](const Bundle& b) -> Eigen::Matrix3d {
-      return b.cameras[7].world_from_camera.transpose() * b.cameras[0].world_from_camera;
-    };
-    return angle_deg(between(bundle), between(truth));
-  };
-  const double by_observations = gap();
-  adjust_whole_tracks(bundle, options, 0.5, Job{});
-  EXPECT_LT(gap(), 0.3 * by_observations) << by_observations;
-  for (const BundleObservation& o : bundle.observations) EXPECT_EQ(o.weight, 1);
-}
-
 class AdjustModel : public testing::TestWithParam<Model> {};
 
 TEST_P(AdjustModel, ReturnsToTheTruthFromADisturbedStart) {
@@ -673,43 +640,6 @@ TEST(Doubt, TellsOfALensThatNoCameraHas) {
   EXPECT_THAT(known.doubted(), HasSubstr("a camera that sees 5 degrees"));
   EXPECT_THAT(known.doubted(), HasSubstr("--fov"));
   EXPECT_EQ(doubt(known.sweep, known.found, known.names, true), "");
-}
-
-// Cameras of a hand that leaves its circle by a tenth of it, seen sharply by points that are far.
-KnownSweep wandering() {
-  KnownSweep known;
-  std::mt19937 random(12);
-  Bundle& bundle = known.found.bundle;
-  bundle.lens.k1 = bundle.lens.k2 = 0;
-  for (Pose& pose : bundle.cameras) {
-    const double x = uniform(random, -0.15, 0.15), y = uniform(random, -0.15, 0.15), z = uniform(random, -0.15, 0.15);
-    pose.centre = pose.world_from_camera.col(2) + Eigen::Vector3d(x, y, z);
-  }
-  for (InversePoint& point : bundle.points) point.inverse_distance *= 0.1;
-  for (Track& track : known.found.tracks) track.clear();
-  for (BundleObservation& o : bundle.observations) {
-    const size_t point = static_cast<size_t>(o.point);
-    const Projection p =
-        project_point(bundle.cameras[static_cast<size_t>(o.camera)], bundle.lens, bundle.points[point]);
-    o.position_px = p.position_px + Eigen::Vector2d(uniform(random, -0.05, 0.05), uniform(random, -0.05, 0.05));
-    known.found.tracks[point].push_back({o.camera, -1, o.position_px});
-  }
-  return known;
-}
-
-TEST(Rounds, BelieveAtLastThatAHandLeavesItsCircleAsFarAsItSeemed) {
-  KnownSweep known = wandering();
-  const std::vector<Track> tracks = known.found.tracks;
-  Rounds rounds(known.sweep, {}, Job{}), free = rounds;
-  free.leave_the_arc();
-  Reconstruction unheld = known.found;
-  for (const double tolerance : kFollowed) free.round(tracks, tolerance, kAboutArc, unheld);
-  const double scatter = scatter_about_arc(unheld);
-  rounds.round(tracks, kFollowed[0], kAboutArc, known.found);
-  const double held_back = scatter - scatter_about_arc(known.found);
-  rounds.round(tracks, kFollowed[1], kAboutArc, known.found);
-  EXPECT_GT(held_back, 0.05 * scatter);
-  EXPECT_LT(std::abs(scatter - scatter_about_arc(known.found)), 0.3 * held_back);
 }
 
 TEST(Rounds, KeepTheBendOfTheLensWhereAsked) {
