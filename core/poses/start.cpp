@@ -163,20 +163,31 @@ BundleOptions roughly(const MatchedSweep& sweep, const std::optional<FocalPrior>
   return options;
 }
 
-// The best of all turns: on the sphere first, the best few of them then near it.
-Start best_start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
-                 BundleOptions options, const Job& job) {
+// One start from each of the turns, finished by `finish` on one thread.
+template <typename Finish>
+std::vector<Start> starts_from(const std::vector<Turns>& turns, const Job& job, const Finish& finish) {
   std::vector<Start> candidates(turns.size());
-  options.model = Model::spherical;
-  Job alone = job;  // of each candidate
+  Job alone = job;
   alone.threads = 1;
   parallel_for(job, static_cast<int>(turns.size()), [&](int i) {
     const Turns& one = turns[static_cast<size_t>(i)];
     Start& start = candidates[static_cast<size_t>(i)];
     start.bundle.lens.focal_px = one.focal_px;
     for (const Eigen::Matrix3d& r : one.world_from_camera) start.bundle.cameras.push_back({r, r.col(2)});
+    finish(start, alone);
+  });
+  return candidates;
+}
+
+// The best of all turns: on the sphere first, the best few of them then near it.
+Start best_start(const MatchedSweep& sweep, const std::vector<Track>& tracks, const std::vector<Turns>& turns,
+                 BundleOptions options, const Job& job) {
+  Job alone = job;  // of each candidate
+  alone.threads = 1;
+  options.model = Model::spherical;
+  std::vector<Start> candidates = starts_from(turns, job, [&](Start& start, const Job& own) {
     place_all(tracks, start.bundle);
-    adjust(start, options, alone);
+    adjust(start, options, own);
   });
   candidates = best_of(right_side_out(sweep, tracks, std::move(candidates), job), kFreed);
   options.model = Model::free;
@@ -206,17 +217,13 @@ Bundle start_on_the_spot(const MatchedSweep& sweep, const std::vector<Track>& tr
   BundleOptions options = roughly(sweep, prior);
   options.model = Model::rotation;
   options.refine_distortion = true;
-  std::vector<Start> candidates(turns.size());
   Job alone = job;  // of each candidate
   alone.threads = 1;
-  parallel_for(job, static_cast<int>(turns.size()), [&](int i) {
-    const Turns& one = turns[static_cast<size_t>(i)];
-    Start& start = candidates[static_cast<size_t>(i)];
-    start.bundle.lens.focal_px = one.focal_px;
-    for (const Eigen::Matrix3d& r : one.world_from_camera) start.bundle.cameras.push_back({r, Eigen::Vector3d::Zero()});
+  std::vector<Start> candidates = starts_from(turns, job, [&](Start& start, const Job& own) {
+    for (Pose& pose : start.bundle.cameras) pose.centre.setZero();
     place_all(coarse, start.bundle);
     for (InversePoint& point : start.bundle.points) point.inverse_distance = 0;
-    adjust(start, options, alone);
+    adjust(start, options, own);
   });
   candidates = best_of(std::move(candidates), kFreed);
   for (const double loss : {kClosing, kOffTheSphere}) {

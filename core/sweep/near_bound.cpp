@@ -17,9 +17,9 @@ constexpr int kGlanceLabels = 8, kGlanceSubsteps = 3;
 constexpr int kMatches = 20, kLess = 10;
 constexpr int kMostOfBlock = kBlock * kBlock * 3 / 4;
 
-// Of the blocks looked at. Repeated columns and railings match nearer than they are, but seldom all over a block: 0.01
-// % of the blocks of atrium_360 and none of the other photo sets'; 0.38 % of the garden's, where leaves hang at half
-// the depth of the nearest point.
+// Of the blocks looked at. Repeated columns and railings match nearer than they are, but seldom all over a block: in
+// 0.01 % of the blocks of atrium_360 and none of the other photo sets'; in 0.38 % of the garden's, where leaves hang at
+// half the depth of the nearest point.
 constexpr double kLeastShare = 0.002;
 constexpr int kLeastBlocks = 4;
 constexpr double kHeld = 0.8;  // of the blocks that match nearer
