@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "exact_math.h"
@@ -60,7 +61,7 @@ std::optional<Reading> read_at(const Camera& camera, const Thumbnail& thumbnail,
 // exposures, and what misplaces samples tells little of them.
 constexpr size_t kFactors = 4;
 
-// Log ratios b / a of what two photos see, per factor: of shared scene points, or of directions where points lack.
+// Log ratios b / a of what two photos see, per factor: of scene points that they share, or of directions in space.
 class Comparison {
  public:
   Comparison(const std::vector<Camera>& cameras, const std::vector<Thumbnail>& thumbnails, int a, int b)
@@ -124,11 +125,10 @@ Link link_of(std::vector<double>& ratios, int a, int b) {
 
 using Links = std::array<std::vector<Link>, kFactors>;
 
-void compare(Comparison& comparison, const std::vector<const ScenePoint*>& shared, int a, int b, Links& links) {
-  if (shared.size() >= kLeastSamples) comparison.add_points(shared);
-  if (comparison.samples() < kLeastSamples) comparison.add_directions();
-  if (comparison.samples() < kLeastSamples) return;
+bool add_links(Comparison& comparison, int a, int b, Links& links) {
+  if (comparison.samples() < kLeastSamples) return false;
   for (size_t f = 0; f < kFactors; ++f) links[f].push_back(link_of(comparison.ratios(f), a, b));
+  return true;
 }
 
 // The points that cameras a < b share, at [a * n + b].
@@ -146,6 +146,48 @@ std::vector<std::vector<const ScenePoint*>> shared_points(const std::vector<Scen
 
 bool may_overlap(const Camera& a, const Camera& b) {
   return exact_dot(a.pose.world_from_camera.col(2), b.pose.world_from_camera.col(2)) > 0.5;
+}
+
+// Photos in groups that links join.
+class Groups {
+ public:
+  explicit Groups(size_t n) : group_(n) { std::iota(group_.begin(), group_.end(), size_t{0}); }
+
+  bool joined(size_t a, size_t b) const { return group_[a] == group_[b]; }
+  void join(size_t a, size_t b) { std::replace(group_.begin(), group_.end(), size_t{group_[b]}, size_t{group_[a]}); }
+
+ private:
+  std::vector<size_t> group_;
+};
+
+// Photos are compared by the points that they share. Two that look in the same direction from afar see different things
+// in it: directions are asked only of photos that no chain of points joins.
+Links compare_all(const std::vector<Camera>& cameras, const std::vector<Thumbnail>& thumbnails,
+                  const std::vector<ScenePoint>& points) {
+  const size_t n = cameras.size();
+  const auto shared = shared_points(points, n);
+  Links links;
+  Groups by_points(n);
+  const auto each_pair = [&](const auto& compare) {
+    for (size_t a = 0; a < n; ++a) {
+      for (size_t b = a + 1; b < n; ++b) {
+        if (!may_overlap(cameras[a], cameras[b])) continue;
+        Comparison comparison(cameras, thumbnails, static_cast<int>(a), static_cast<int>(b));
+        compare(comparison, a, b);
+      }
+    }
+  };
+  each_pair([&](Comparison& comparison, size_t a, size_t b) {
+    if (shared[a * n + b].size() < kLeastSamples) return;
+    comparison.add_points(shared[a * n + b]);
+    if (add_links(comparison, static_cast<int>(a), static_cast<int>(b), links)) by_points.join(a, b);
+  });
+  each_pair([&](Comparison& comparison, size_t a, size_t b) {
+    if (by_points.joined(a, b)) return;
+    comparison.add_directions();
+    add_links(comparison, static_cast<int>(a), static_cast<int>(b), links);
+  });
+  return links;
 }
 
 // Least squares of differences, in a fixed order of plain sums (Gauss, no pivots: symmetric and positive definite).
@@ -242,15 +284,7 @@ Thumbnail make_thumbnail(const RgbImage& photo) {
 std::vector<Gain> exposure_gains(const std::vector<Camera>& cameras, const std::vector<Thumbnail>& thumbnails,
                                  const std::vector<ScenePoint>& points) {
   const size_t n = cameras.size();
-  const auto shared = shared_points(points, n);
-  Links links;
-  for (size_t a = 0; a < n; ++a) {
-    for (size_t b = a + 1; b < n; ++b) {
-      if (!may_overlap(cameras[a], cameras[b])) continue;
-      Comparison comparison(cameras, thumbnails, static_cast<int>(a), static_cast<int>(b));
-      compare(comparison, shared[a * n + b], static_cast<int>(a), static_cast<int>(b), links);
-    }
-  }
+  const Links links = compare_all(cameras, thumbnails, points);
   std::vector<Gain> gains(n);
   const auto exposure = solve_links(links[0], kExposureSigma, n);
   for (size_t c = 0; c < 3; ++c) {
