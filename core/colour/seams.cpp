@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kSweeps = 120;         // of Gauss-Seidel; offsets decay within about ten cells
 constexpr int kLargestStep = 40;     // grey levels; larger ones are another object, not another exposure
-constexpr double kSeamWeight = 0.5;  // of one sample, against 1 for a full side between two cells
+constexpr double kSeamWeight = 0.1;  // of one sample, against 1 for a full side between two cells
 constexpr double kDecay = 0.02;      // pull of a full cell's offset towards zero
 
 struct Link {

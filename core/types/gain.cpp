@@ -25,15 +25,30 @@ double darkened(double level, double gain) {
   return level * (gain + (1 - gain) * t * t);
 }
 
+double evened(double level, double gain) { return gain >= 1 ? brightened(level, gain) : darkened(level, gain); }
+
+// The level that becomes this one: curves rise, from 0 to white.
+double uneven(double level, double gain) {
+  double low = 0, high = kWhite;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = (low + high) / 2;
+    (evened(middle, gain) < level ? low : high) = middle;
+  }
+  return (low + high) / 2;
+}
+
 }  // namespace
 
-ExposureGain::ExposureGain(const Gain& gain) {
+ExposureGain::ExposureGain(const Gain& gain) : ExposureGain(gain, evened) {}
+
+ExposureGain ExposureGain::inverse(const Gain& gain) { return {gain, uneven}; }
+
+ExposureGain::ExposureGain(const Gain& gain, Curve curve) {
   for (size_t c = 0; c < 3; ++c) {
     const auto g = static_cast<double>(gain[c]);
     for (size_t i = 0; i <= 256; ++i) {
       const double level = std::clamp(static_cast<double>(i), 1.0, kWhite);
-      const double to = g >= 1 ? brightened(level, g) : darkened(level, g);
-      factor_q12_[c][i] = static_cast<int>(std::floor(to / level * kOne + 0.5));
+      factor_q12_[c][i] = static_cast<int>(std::floor(curve(level, g) / level * kOne + 0.5));
     }
   }
 }

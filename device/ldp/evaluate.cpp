@@ -89,7 +89,7 @@ Gain expected_gain(const Split& split, size_t test, const std::map<std::string, 
 
 // A picture about as a photo of that gain would show it: of bright colours, which gains bend (gain.h), near enough.
 void expose(RgbImage& picture, const Gain& gain) {
-  const ExposureGain exposed({1 / gain[0], 1 / gain[1], 1 / gain[2]});
+  const ExposureGain exposed = ExposureGain::inverse(gain);
   constexpr int kUnits = 16;
   const auto stored = [](int channel) { return static_cast<uint8_t>(std::min(255, (channel + kUnits / 2) / kUnits)); };
   for (Rgb& pixel : picture.samples) {

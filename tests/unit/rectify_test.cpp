@@ -131,5 +131,38 @@ TEST(Exposure, LargeStepsFromPhotoToPhotoAreFoundInEachChannel) {
     }
 }
 
+// A camera moves along a wall that gets darker from end to end, always with the same exposure. Photos from far apart
+// look in the same direction and share no point: that one is darker there says nothing of its exposure.
+TEST(Exposure, PhotosThatChainsOfPointsJoinAreNotComparedByDirection) {
+  constexpr double kWallAway = 2, kStep = 0.5;
+  constexpr int kPhotos = 8, kPointsEach = 20;
+  const Camera first = test::camera_at(0);
+  const Eigen::Vector3d right = first.pose.world_from_camera.col(0), down = first.pose.world_from_camera.col(1),
+                        ahead = first.pose.world_from_camera.col(2);
+  const Intrinsics& k = first.intrinsics;
+  std::vector<Camera> cameras;
+  std::vector<RgbImage> photos;
+  for (int i = 0; i < kPhotos; ++i) {
+    cameras.push_back(first);
+    cameras.back().pose.centre += i * kStep * right;
+    RgbImage photo(k.width, k.height);
+    for (int y = 0; y < photo.height; ++y)
+      for (int x = 0; x < photo.width; ++x) {
+        const double along = i * kStep + (x + 0.5 - k.cx) / k.fx * kWallAway;
+        const auto level = static_cast<uint8_t>(std::clamp(190 * std::exp(-0.3 * along) + 0.5, 30.0, 230.0));
+        photo.at(x, y) = {level, level, level};
+      }
+    photos.push_back(std::move(photo));
+  }
+  std::vector<ScenePoint> points;
+  for (int i = 0; i + 1 < kPhotos; ++i)  // between two photos, which both see them
+    for (int j = 0; j < kPointsEach; ++j)
+      points.push_back(
+          {first.pose.centre + kWallAway * ahead + (i + 0.5) * kStep * right + 0.02 * (j - 10) * down, {i, i + 1}});
+  const auto frames = rectify(test::FramesInMemory(photos), cameras, {0, 1, 2, 3, 4, 5, 6, 7}, points, Arc(), 1, {});
+  for (const UprightFrame& frame : frames)
+    for (const float gain : frame.gain) EXPECT_NEAR(gain, 1, 0.02);
+}
+
 }  // namespace
 }  // namespace ldp

@@ -222,5 +222,15 @@ TEST(ExposureGain, RisesWithoutJumpsToWhite) {
   }
 }
 
+TEST(ExposureGain, InverseUndoesIt) {
+  constexpr int kUnits = 16;
+  for (const float g : {0.5F, 0.9F, 1.0F, 1.2F, 2.0F}) {
+    const ExposureGain gain({g, g, g}), inverse = ExposureGain::inverse({g, g, g});
+    for (int v = 8 * kUnits; v <= 255 * kUnits; v += 3) {
+      ASSERT_NEAR(inverse(gain({v, v, v}, kUnits), kUnits)[0], v, 2 * kUnits) << g << " " << v;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace ldp
