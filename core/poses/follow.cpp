@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "halved.h"
 #include "patches.h"
 
 namespace ldp {
@@ -21,17 +22,6 @@ constexpr size_t kLeastAveraged = 3;   // frames whose average is less noisy tha
 constexpr int kAverages = 2;           // each of what was aligned with the one before
 constexpr double kFeatureSigma = 0.3;  // of where a feature is found, pixels of a photo 800 long: weight 1
 constexpr double kFinestSigma = 0.06;  // of the best that is followed
-
-GreyImage halved(const GreyImage& image) {
-  GreyImage half(image.width / 2, image.height / 2);
-  for (int y = 0; y < half.height; ++y) {
-    const uint8_t *p = image.row(2 * y), *q = image.row(2 * y + 1);
-    for (int x = 0; x < half.width; ++x) {
-      half.at(x, y) = static_cast<uint8_t>((p[2 * x] + p[2 * x + 1] + q[2 * x] + q[2 * x + 1] + 2) / 4);
-    }
-  }
-  return half;
-}
 
 struct Levels {
   GreyImage half;

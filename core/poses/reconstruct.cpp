@@ -8,10 +8,14 @@
 #include <utility>
 
 #include "follow.h"
+#include "gather.h"
 #include "general.h"
 #include "guided.h"
+#include "loose.h"
 #include "motion.h"
+#include "reseat.h"
 #include "rounds.h"
+#include "steady.h"
 
 namespace ldp {
 namespace {
@@ -26,12 +30,9 @@ constexpr double kTorn = 0.3, kTornPixels = 12;  // share of a pair's matches th
                                                  // pixels of 800 for it to hold
 constexpr double kEnough = 1 / kBetter;          // share of the observations that must fit, else other motion is tried
 constexpr size_t kRich = 1000;                   // observations per frame that make a second look for matches needless
-constexpr int kThin = 250;                       // and those that do for the first rounds, the longest tracks first
 constexpr double kStillHolds = 0.9;  // share of the matches explained before that a round on followed points must keep
-constexpr double kSteady[] = {0.02, 0.01, 0.02};  // sigmas of the arc prior in rounds that ask for a steadier hand
-constexpr double kSteadyHand = 1.0 / 3;           // share of what is explained that may be given for steadiness
-constexpr int kMostFollowed = 4;                  // rounds on followed points at the wider tolerance, until the focal
-constexpr double kSettledFocal = 5e-4;            // length changes by no more than this share
+constexpr int kMostFollowed = 4;     // rounds on followed points at the wider tolerance, until the focal
+constexpr double kSettledFocal = 5e-4;  // length changes by no more than this share
 
 // Frames that hang together by pairs that count: the same number for all of a group.
 std::vector<int> groups(const MatchedSweep& sweep, const std::function<bool(const PairMatches&)>& counts) {
@@ -103,11 +104,6 @@ void drop_unheld(Reconstruction& r) {
   r.tracks = connected(r.tracks, r.dropped);
 }
 
-size_t observations(const std::vector<Track>& tracks) {
-  return std::accumulate(tracks.begin(), tracks.end(), size_t{0},
-                         [](size_t sum, const Track& t) { return sum + t.size(); });
-}
-
 // The reconstruction's tracks followed through all frames. Those that cannot be followed stay as matched where a frame
 // has little else.
 std::vector<Track> follow(const MatchedSweep& sweep, const Reconstruction& r, const Job& job) {
@@ -121,11 +117,6 @@ std::vector<Track> follow(const MatchedSweep& sweep, const Reconstruction& r, co
     if (tracks[i].size() < 2 && std::any_of(r.tracks[i].begin(), r.tracks[i].end(), poor)) tracks[i] = r.tracks[i];
   }
   return tracks;
-}
-
-// Observations that agree with the cameras.
-double explained(const MatchedSweep& sweep, const std::vector<Track>& tracks, Reconstruction r, const Job& job) {
-  return static_cast<double>(observations(place_good(tracks, sweep.pixels(kMatched[2]), false, r.bundle, job)));
 }
 
 // A round on followed points. Where steps are so wide that hardly a third photo sees any, the cameras go astray if
@@ -152,41 +143,6 @@ void settle(const MatchedSweep& sweep, const std::vector<Track>& matched, Rounds
     holds = followed_round(sweep, matched, kFollowed[0], holds, rounds, job, r);
     if (std::abs(std::log(r.bundle.lens.focal_px / before)) < kSettledFocal) return;
   }
-}
-
-// Cameras put back on their sphere and held near it while what agrees with them gathers. The lens keeps its bend:
-// freed, it would take on what the sphere cannot explain, and half the focal length with a barrel's bend passes for
-// any.
-void steady(const MatchedSweep& sweep, const std::vector<Track>& tracks, Rounds rounds, Reconstruction& r) {
-  rounds.stay_on_the_arc();
-  rounds.keep_the_bend();
-  for (Pose& pose : r.bundle.cameras) pose.centre = pose.world_from_camera.col(2);
-  const std::vector<Track> thin = longest_tracks(tracks, sweep.frames(), kThin);
-  for (size_t i = 0; i < std::size(kSteady); ++i)
-    rounds.round(i + 1 < std::size(kSteady) ? thin : tracks, kMatched[i], kSteady[i], r);
-}
-
-// The last round on matches. What walks by between two photos agrees with a step that nobody took: the same is tried
-// with a steadier hand, at the same time (and again if the lens turns out to bend), and the hand that is steadier, for
-// what it explains, stays.
-void last_matched_round(const MatchedSweep& sweep, const std::vector<Track>& tracks, Rounds& rounds, const Job& job,
-                        Reconstruction& result) {
-  const bool on_an_arc = rounds.on_an_arc();
-  Reconstruction steadied = result;
-  if (on_an_arc) rounds.use_threads(job.threads / 2);
-  const Rounds before = rounds;
-  parallel_for(job, on_an_arc ? 2 : 1, [&](int which) {
-    if (which == 1) return steady(sweep, tracks, before, steadied);
-    rounds.round(tracks, kMatched[2], kAboutArc, result);
-    rounds.decide_distortion(result);
-  });
-  rounds.use_threads(job.threads);
-  if (!on_an_arc) return;
-  if (rounds.bent() && !before.bent()) steady(sweep, tracks, rounds, steadied = result);
-  const double steadier =
-      1 - unsteadiness(steadied.dropped, steadied.bundle) / unsteadiness(result.dropped, result.bundle);
-  if (explained(sweep, tracks, steadied, job) >= (1 - kSteadyHand * steadier) * explained(sweep, tracks, result, job))
-    result = std::move(steadied);
 }
 
 // Cameras near their circle, unless the data overrule it.
@@ -303,6 +259,10 @@ Reconstruction reconstruct(MatchedSweep& sweep, const std::optional<FocalPrior>&
   if (result.motion == Motion::rotation) rounds.set_model(Model::rotation);
   tracks = connected(tracks, result.dropped);
   rounds.round(thin(), kMatched[1], kAboutArc, result);
+  if (rounds.on_an_arc() && reseat_lost_frames(sweep, result)) {
+    rounds.round(thin(), kMatched[0], kNearArc, result);
+    rounds.round(thin(), kMatched[1], kAboutArc, result);
+  }
   if (result.motion != Motion::rotation && observations(tracks) < kRich * static_cast<size_t>(posed(result.dropped))) {
     const std::vector<PairMatches> pairs = match_guided(sweep, result.bundle, result.dropped, job);
     tracks = connected(build_tracks(sweep.features, pairs), result.dropped);
@@ -311,7 +271,12 @@ Reconstruction reconstruct(MatchedSweep& sweep, const std::optional<FocalPrior>&
   last_matched_round(sweep, tracks, rounds, job, result);
   job.report("adjusting", 0.8);
   settle(sweep, tracks, rounds, job, result);
-  rounds.decide_distortion(result);
+  rounds.decide_distortion(result);  // before corners join: it compares costs of the same points
+  if (result.motion != Motion::rotation) describe_motion(sweep, result);
+  if (loosely_held(result)) {
+    gather_corners(sweep, job, result);
+    rounds.end_thoroughly();
+  }
   job.report("adjusting", 0.9);
   followed_round(sweep, tracks, kFollowed[1], explained(sweep, tracks, result, job), rounds, job, result);
   drop_unheld(result);

@@ -1,9 +1,11 @@
 #include "rounds.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lens_bends.h"
 #include "loners.h"
+#include "whole_tracks.h"
 
 namespace ldp {
 namespace {
@@ -15,7 +17,9 @@ constexpr double kMatchedPairs = 0.2, kFollowedPairs = 0.05;  // weights of poin
                                                               // moves agree on cameras that a third tells wrong
 constexpr double kRough = 1e-4, kFiner = 1e-5, kFine = 1e-6;  // where rounds end: those whose points the next places
                                                               // anew, those before points are followed, and the last
-constexpr double kLoner = 12;  // pixels of 800 of parallax that a point of two photos may differ from all around
+constexpr double kTrackLoss = 1;      // pixels of 800, of what is left of a whole track in the last round
+constexpr double kLeastNoise = 0.01;  // pixels of 800: nothing is seen more exactly
+constexpr double kLoner = 12;         // pixels of 800 of parallax that a point of two photos may differ from all around
 
 bool is_followed(double tolerance) { return tolerance == kFollowed[0] || tolerance == kFollowed[1]; }
 
@@ -25,6 +29,18 @@ std::vector<int> observations_by_frame(const Reconstruction& r) {
   std::vector<int> held(r.dropped.size(), 0);
   for (const BundleObservation& o : r.bundle.observations) ++held[static_cast<size_t>(o.camera)];
   return held;
+}
+
+double scatter_about_arc(const Reconstruction& r) {
+  const std::vector<int> held = observations_by_frame(r);
+  double squared = 0, numbers = 0;
+  for (size_t i = 0; i < held.size(); ++i) {
+    if (held[i] == 0) continue;
+    const Pose& pose = r.bundle.cameras[i];
+    squared += (pose.centre - pose.world_from_camera.col(2)).squaredNorm();
+    numbers += 3;
+  }
+  return std::sqrt(squared / std::max(numbers, 1.0));
 }
 
 Rounds::Rounds(const MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job)
@@ -37,13 +53,24 @@ void Rounds::round(const std::vector<Track>& tracks, double tolerance, double ar
   if (tolerance <= kFollowed[0] && options_.model != Model::rotation) leave_out_loners(r);
   const double loss = sweep_->pixels(std::min(kLossOfTolerance * tolerance, kLargestLoss));
   options_.loss_px = (is_followed(tolerance) ? kFollowedLoss : 1) * loss;
-  options_.arc_sigma = std::max(arc_sigma, least_sigma_);
-  options_.pair_weight = pairs_count_ || tolerance == kFollowed[1] ? 1
-                         : tolerance == kFollowed[0]               ? kFollowedPairs
-                                                                   : kMatchedPairs;
+  const bool last = tolerance == kFollowed[1];
+  options_.arc_sigma = std::max({arc_sigma, least_sigma_, last && thorough_ ? believed_sigma_ : 0});
+  options_.pair_weight = pairs_count_ || last ? 1 : tolerance == kFollowed[0] ? kFollowedPairs : kMatchedPairs;
   options_.near_the_end = tolerance <= kFollowed[0];
   options_.settled = tolerance > kMatched[2] ? kRough : tolerance > kFollowed[1] ? kFiner : kFine;
   cost_ = adjust(r.bundle, options_, job_).cost;
+  if (last && thorough_) {
+    adjust_whole_tracks(r.bundle, options_, sweep_->pixels(kTrackLoss), job_);
+  } else if (!last) {
+    believed_sigma_ = options_.model == Model::free ? scatter_about_arc(r) / noise_px(r) : 0;
+  }
+}
+
+// Deviation of a coordinate of an observation of weight 1, by what the adjustment left: its cost is half the sum over
+// both coordinates of all.
+double Rounds::noise_px(const Reconstruction& r) const {
+  const double count = static_cast<double>(r.bundle.observations.size());
+  return std::max(std::sqrt(cost_ / std::max(1.0, count)), sweep_->pixels(kLeastNoise));
 }
 
 void Rounds::decide_distortion(Reconstruction& r) {

@@ -29,6 +29,7 @@ class Rounds {
   bool bent() const { return options_.refine_distortion; }
   void use_threads(int threads) { job_.threads = std::max(1, threads); }  // as when several are at work
   void let_pairs_count() { pairs_count_ = true; }
+  void end_thoroughly() { thorough_ = true; }  // the last round weighs tracks as a whole, and believes the scatter
 
   // Places what agrees and adjusts everything to it.
   void round(const std::vector<Track>& tracks, double tolerance, double arc_sigma, Reconstruction& r);
@@ -40,14 +41,22 @@ class Rounds {
 
  private:
   void leave_out_loners(Reconstruction& r) const;
+  double noise_px(const Reconstruction& r) const;
 
   const MatchedSweep* sweep_;
   Job job_;
   BundleOptions options_;
   bool pairs_count_ = false;  // as much as points that a third photo confirms
+  bool thorough_ = false;
   double least_sigma_ = 0;
   double cost_ = 0;
+  double believed_sigma_ = 0;  // of the arc prior in a thorough last round: the scatter about the circle that the round
+                               // before found, over the noise of observations, because the prior's deviations are added
+                               // to those of the data, which are in pixels
 };
+
+// How far cameras that observations hold are from their places on the sphere: deviation of a coordinate, radii.
+double scatter_about_arc(const Reconstruction& r);
 
 std::vector<int> observations_by_frame(const Reconstruction& r);
 

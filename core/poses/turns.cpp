@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "pairs.h"
-#include "spherical.h"
 
 namespace ldp {
 namespace {
@@ -41,10 +40,7 @@ std::vector<RayPair> ray_pairs(const MatchedSweep& sweep, const PairMatches& pai
 std::vector<RotationEdge> rotation_edges(const MatchedSweep& sweep, double focal, Turning turning) {
   std::vector<RotationEdge> edges;
   for (const PairMatches& pair : sweep.pairs) {
-    const std::vector<RayPair> rays = ray_pairs(sweep, pair, focal);
-    const RelativeRotation r = turning == Turning::on_the_spot
-                                   ? rotation_on_the_spot(rays)
-                                   : spherical_rotation(rays, sweep.pixels(kOffTheSphere) / focal);
+    const RelativeRotation r = turn_between(sweep, pair, focal, turning);
     const double trust = static_cast<double>(pair.matches.size()) / std::pow(pair.b - pair.a, kOneAfterTheOther);
     edges.push_back({pair.a, pair.b, r.b_from_a, trust * trust * std::exp(-r.cost)});
   }
@@ -121,6 +117,12 @@ std::vector<uint8_t> votes_for_turns(const MatchedSweep& sweep, const PairMatche
 }
 
 }  // namespace
+
+RelativeRotation turn_between(const MatchedSweep& sweep, const PairMatches& pair, double focal_px, Turning turning) {
+  const std::vector<RayPair> rays = ray_pairs(sweep, pair, focal_px);
+  return turning == Turning::on_the_spot ? rotation_on_the_spot(rays)
+                                         : spherical_rotation(rays, sweep.pixels(kOffTheSphere) / focal_px);
+}
 
 double view_of_longer_side(const MatchedSweep& sweep, double focal_px) {
   return 2 * std::atan2(0.5 * std::max(sweep.features[0].width, sweep.features[0].height), focal_px);

@@ -12,6 +12,7 @@
 #include "bundle.h"
 #include "job.h"
 #include "matched_sweep.h"
+#include "spherical.h"
 
 namespace ldp {
 
@@ -29,6 +30,9 @@ struct Turns {
 };
 
 enum class Turning { on_the_sphere, on_the_spot };  // which motion of two frames tells how they turned
+
+// How a pair's cameras turn by some of its matches.
+RelativeRotation turn_between(const MatchedSweep& sweep, const PairMatches& pair, double focal_px, Turning turning);
 
 // For several focal lengths, around the prior's or over all that cameras have.
 std::vector<Turns> turns(const MatchedSweep& sweep, const std::optional<FocalPrior>& prior, Turning turning,

@@ -15,14 +15,18 @@
 #include "lens_bends.h"
 #include "likeness.h"
 #include "loners.h"
+#include "loose.h"
 #include "matches.h"
 #include "motion.h"
 #include "picture.h"
 #include "points.h"
+#include "reseat.h"
 #include "rounds.h"
 #include "scenes.h"
 #include "spherical.h"
+#include "steady.h"
 #include "sweep_path.h"
+#include "whole_tracks.h"
 
 namespace ldp {
 namespace {
@@ -348,6 +352,38 @@ TEST(Adjust, BelievesPointsThatAThirdCameraConfirmsRatherThanPairsAgainstThem) {
   EXPECT_LT(gap_at_weight(0.05), 0.2 * gap_at_weight(1));
 }
 
+// A truth whose points three cameras each see, the last of them another thing of every tenth, beside it along the path,
+// as where an edge lies before what is farther: any depth leaves all three observations wrong.
+Bundle with_edges(const Bundle& truth) {
+  Bundle bundle = truth;
+  std::erase_if(bundle.observations,
+                [](const BundleObservation& o) { return std::abs(o.camera - o.point % 6 - 1) > 1; });
+  for (BundleObservation& o : bundle.observations) {
+    if (o.point % 10 == 0 && o.camera == o.point % 6 + 2) o.position_px.x() += 6;
+  }
+  return bundle;
+}
+
+TEST(AdjustWholeTracks, BelievesNothingOfATrackThatShowsTwoThings) {
+  const Bundle truth = true_bundle(Model::free);
+  BundleOptions options;
+  options.loss_px = 0.5;
+  options.refine_focal = false;
+  options.arc_sigma = 10;
+  Bundle bundle = with_edges(truth);
+  ASSERT_TRUE(adjust(bundle, options, Job{}).usable);
+  const auto gap = [&] {
+    const auto between = [](const Bundle& b) -> Eigen::Matrix3d {
+      return b.cameras[7].world_from_camera.transpose() * b.cameras[0].world_from_camera;
+    };
+    return angle_deg(between(bundle), between(truth));
+  };
+  const double by_observations = gap();
+  adjust_whole_tracks(bundle, options, 0.5, Job{});
+  EXPECT_LT(gap(), 0.3 * by_observations) << by_observations;
+  for (const BundleObservation& o : bundle.observations) EXPECT_EQ(o.weight, 1);
+}
+
 class AdjustModel : public testing::TestWithParam<Model> {};
 
 TEST_P(AdjustModel, ReturnsToTheTruthFromADisturbedStart) {
@@ -640,6 +676,95 @@ TEST(Doubt, TellsOfALensThatNoCameraHas) {
   EXPECT_THAT(known.doubted(), HasSubstr("a camera that sees 5 degrees"));
   EXPECT_THAT(known.doubted(), HasSubstr("--fov"));
   EXPECT_EQ(doubt(known.sweep, known.found, known.names, true), "");
+}
+
+TEST(LooselyHeld, IsAnOpenArcOfWhichNoThirdPhotoComparesSteps) {
+  KnownSweep known;
+  EXPECT_FALSE(loosely_held(known.found));
+  for (Track& track : known.found.tracks) track.resize(std::min<size_t>(track.size(), 2));
+  EXPECT_TRUE(loosely_held(known.found));
+  known.found.closed = true;
+  EXPECT_FALSE(loosely_held(known.found));
+  known.found.closed = false;
+  known.found.motion = Motion::straight;
+  EXPECT_FALSE(loosely_held(known.found));
+}
+
+TEST(LooselyHeld, IsAnArcThatOnePhotoHoldsLoosely) {
+  KnownSweep known;
+  for (Track& track : known.found.tracks) std::erase_if(track, [](const Observation& o) { return o.frame == 4; });
+  EXPECT_TRUE(loosely_held(known.found));
+  known.found.dropped[4] = "it is left out";
+  EXPECT_FALSE(loosely_held(known.found));
+}
+
+TEST(Tears, IsToLoseHalfOfWhatOthersExplainAcrossAStep) {
+  EXPECT_EQ(across_steps({{{0}, {1}, {3}}, {{1}, {2}}, {{0}, {1}}}, 4), (std::vector<int>{2, 1, 0, 0}));
+  EXPECT_FALSE(tears({200, 51, 0}, {200, 100, 0}));
+  EXPECT_TRUE(tears({200, 49, 0}, {200, 100, 0}));
+  EXPECT_FALSE(tears({200, 3, 0}, {200, 10, 0}));
+}
+
+TEST(ReseatLostFrames, PutsAFrameWhereItsMatchesWantIt) {
+  KnownSweep known;
+  const std::vector<Pose> truth = known.found.bundle.cameras;
+  std::vector<Pose>& cameras = known.found.bundle.cameras;
+  for (const size_t lost : {size_t{0}, size_t{5}, size_t{7}}) {
+    cameras[lost].world_from_camera = turn(2, 20, 0) * cameras[lost].world_from_camera;
+    cameras[lost].centre = cameras[lost].world_from_camera.col(2);
+    EXPECT_TRUE(reseat_lost_frames(known.sweep, known.found));
+    for (size_t i = 0; i < cameras.size(); ++i) {
+      EXPECT_LT(angle_deg(cameras[i].world_from_camera, truth[i].world_from_camera), i == lost ? 1.5 : 1e-5);
+    }
+    cameras[lost] = truth[lost];
+  }
+}
+
+TEST(ReseatLostFrames, LeavesThoseThatAgreeAndThoseWithoutAPose) {
+  KnownSweep known;
+  EXPECT_FALSE(reseat_lost_frames(known.sweep, known.found));
+  Pose& pose = known.found.bundle.cameras[5];
+  pose.world_from_camera = turn(2, 20, 0) * pose.world_from_camera;
+  known.found.dropped[5] = "it is left out";
+  EXPECT_FALSE(reseat_lost_frames(known.sweep, known.found));
+}
+
+// Cameras of a hand that leaves its circle by a tenth of it, seen sharply by points that are far.
+KnownSweep wandering() {
+  KnownSweep known;
+  std::mt19937 random(12);
+  Bundle& bundle = known.found.bundle;
+  bundle.lens.k1 = bundle.lens.k2 = 0;
+  for (Pose& pose : bundle.cameras) {
+    const double x = uniform(random, -0.15, 0.15), y = uniform(random, -0.15, 0.15), z = uniform(random, -0.15, 0.15);
+    pose.centre = pose.world_from_camera.col(2) + Eigen::Vector3d(x, y, z);
+  }
+  for (InversePoint& point : bundle.points) point.inverse_distance *= 0.1;
+  for (Track& track : known.found.tracks) track.clear();
+  for (BundleObservation& o : bundle.observations) {
+    const size_t point = static_cast<size_t>(o.point);
+    const Projection p =
+        project_point(bundle.cameras[static_cast<size_t>(o.camera)], bundle.lens, bundle.points[point]);
+    o.position_px = p.position_px + Eigen::Vector2d(uniform(random, -0.05, 0.05), uniform(random, -0.05, 0.05));
+    known.found.tracks[point].push_back({o.camera, -1, o.position_px});
+  }
+  return known;
+}
+
+TEST(Rounds, BelieveInAThoroughEndThatAHandLeavesItsCircleAsFarAsItSeemed) {
+  KnownSweep known = wandering();
+  const std::vector<Track> tracks = known.found.tracks;
+  Rounds rounds(known.sweep, {}, Job{}), free = rounds;
+  free.leave_the_arc();
+  Reconstruction unheld = known.found;
+  for (const double tolerance : kFollowed) free.round(tracks, tolerance, kAboutArc, unheld);
+  const double scatter = scatter_about_arc(unheld);
+  rounds.round(tracks, kFollowed[0], kAboutArc, known.found);
+  const double held_back = scatter - scatter_about_arc(known.found);
+  rounds.end_thoroughly();
+  rounds.round(tracks, kFollowed[1], kAboutArc, known.found);
+  EXPECT_GT(held_back, 0.05 * scatter);
+  EXPECT_LT(std::abs(scatter - scatter_about_arc(known.found)), 0.3 * held_back);
 }
 
 TEST(Rounds, KeepTheBendOfTheLensWhereAsked) {
