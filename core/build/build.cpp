@@ -197,7 +197,9 @@ class Build {
 
   DisparityMap front_layer(const std::string& name) {
     const std::vector<VisibilityMap> hiding = sure_visibility();
-    const Sweep sweep(upright_, grid_, hiding, DisparityMap(), sweep_options());
+    SweepOptions options = sweep_options();
+    options.points = &poses_.points;
+    const Sweep sweep(upright_, grid_, hiding, DisparityMap(), options);
     const Plane<uint8_t> labels = solve(sweep, Plane<uint8_t>(), name);
     DisparityMap disparity = refine(sweep, labels, {}, job_);
     watch_.lap("refine");

@@ -21,6 +21,8 @@ struct SweepOptions {
   int substeps = 8;     // depths tried inside each label's interval, the best kept
   int prior_cost = 36;  // phi of a voxel that one camera sees, in 1/kCostScale grey levels
   int margin = 4;       // what fewer than two cameras can see costs at most so much more than the ray's best match
+  // Feature points that tell of plain parts of the front layer (points_prior.h); nullptr = none. Not kept.
+  const std::vector<ScenePoint>* points = nullptr;
 };
 
 struct SweepScratch;
@@ -48,6 +50,7 @@ class Sweep final : public CostSource {
   void forbid_front(const std::vector<int8_t>& nearest, uint8_t* cost, uint8_t* median) const;
   void rate_unmatched(const Window& window, uint8_t* cost) const;
   void equal_where_plain(const SweepScratch& found, size_t pixels, uint8_t* cost) const;
+  void draw_to_points(const SweepScratch& found, const Window& window, uint8_t* cost) const;
   struct Tables;
   std::unique_ptr<Tables> tables_;
 };

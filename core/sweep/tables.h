@@ -3,9 +3,11 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "lines.h"
+#include "points_prior.h"
 #include "slab.h"
 #include "sweep.h"
 
@@ -24,6 +26,7 @@ struct Sweep::Tables {
   const DisparityMap* behind = nullptr;  // null = nothing is in front
   SweepOptions options;
   LineTable lines;
+  std::optional<PointsPrior> points;
   int longest_column = 0;
 
   std::mutex mutex;

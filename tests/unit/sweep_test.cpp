@@ -105,6 +105,28 @@ TEST(Sweep, SmallDifferencesOfAPlainSurfaceTellNoLabelsApart) {
   }
 }
 
+TEST(Sweep, PlainSurfacesAreDrawnToFeaturePoints) {
+  const PanoramaGrid grid = simple_grid(0.6);
+  std::vector<ScenePoint> points;
+  for (int x = 20; x < 80; x += 4)
+    for (int y = 8; y < 56; y += 4)
+      points.push_back({grid.point(grid.theta(x), grid.v(y), grid.w_far + (grid.w_near - grid.w_far) * 0.4), {0, 1}});
+  SweepOptions with;
+  with.points = &points;
+  const Window window{30, 15, 40, 30};
+  const Costs drawn = read(Sweep(shaded_pictures(4), grid, {}, {}, with), window),
+              plain = read(Sweep(shaded_pictures(4), grid, {}, {}, {}), window);
+  for (size_t i = 0; i < drawn.cost.size(); ++i) {
+    const int beyond = std::max(0, std::abs(static_cast<int>(i % 16) - 6) - 1);
+    ASSERT_EQ(drawn.cost[i], plain.cost[i] + (std::min(beyond, 6) + 1) / 2) << i;
+  }
+  EXPECT_EQ(read(Sweep(shaded_pictures(40), grid, {}, {}, with), window).cost,
+            read(Sweep(shaded_pictures(40), grid, {}, {}, {}), window).cost);
+  const DisparityMap front(grid.width, grid.height, 9 * kDisparitySteps / 15);
+  EXPECT_EQ(read(Sweep(shaded_pictures(4), grid, {}, front, with), window).cost,
+            read(Sweep(shaded_pictures(4), grid, {}, front, {}), window).cost);
+}
+
 TEST(Sweep, APlainSurfaceIsStillToldFromAnotherOne) {
   const PanoramaGrid grid = simple_grid(0.6);
   const auto halves = [](double theta, double) { return theta > 0 ? 100.0 : 160.0; };

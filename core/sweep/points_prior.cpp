@@ -1,0 +1,94 @@
+#include "points_prior.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace ldp {
+namespace {
+
+constexpr int kCellPx = 8;
+constexpr double kReachPx = 80, kNearPx = 24;  // of a point; at kNearPx it counts a quarter
+constexpr int kMostViews = 3;                  // what further cameras than these and one see counts no more
+constexpr double kSpread = 0.3;                // labels by which points differ where what they tell counts half
+
+struct Point {
+  double x_px, y_px, label, weight;
+};
+
+// Sorted by column; at the seam of a panorama that wraps, on either side of it.
+std::vector<Point> located(const PanoramaGrid& grid, const std::vector<ScenePoint>& points, int labels) {
+  std::vector<Point> found;
+  const double last = labels - 1, range = grid.w_near - grid.w_far;
+  for (const ScenePoint& point : points) {
+    const PanoramaPosition at = locate(grid, point.position);
+    const double label = (at.inverse_depth - grid.w_far) / range * last;
+    if (!(at.inverse_depth >= 0 && label >= -1 && label <= labels)) continue;
+    const int more_views = std::clamp(static_cast<int>(point.cameras.size()) - 1, 1, kMostViews);
+    const Point here{at.x_px, at.y_px, std::clamp(label, 0.0, last), static_cast<double>(more_views)};
+    found.push_back(here);
+    if (!grid.wraps) continue;
+    for (const int turn : {-1, 1}) {
+      Point again = here;
+      again.x_px += turn * grid.width;
+      if (again.x_px > -kReachPx && again.x_px < grid.width + kReachPx) found.push_back(again);
+    }
+  }
+  std::sort(found.begin(), found.end(),
+            [](const Point& a, const Point& b) { return std::pair(a.x_px, a.y_px) < std::pair(b.x_px, b.y_px); });
+  return found;
+}
+
+struct Vote {
+  double label, weight;
+};
+
+PointsPrior::Told sum_up(std::vector<Vote>& votes) {
+  double total = 0;
+  for (const Vote& vote : votes) total += vote.weight;
+  if (!(total > 0)) return {};
+  std::sort(votes.begin(), votes.end(), [](const Vote& a, const Vote& b) { return a.label < b.label; });
+  double median = 0, below = 0;
+  for (const Vote& vote : votes) {
+    median = vote.label;
+    below += vote.weight;
+    if (below >= total / 2) break;
+  }
+  double spread = 0;
+  for (const Vote& vote : votes) spread += vote.weight * std::abs(vote.label - median);
+  spread /= total * kSpread;
+  const auto rounded = [](double value) { return static_cast<int16_t>(std::floor(value + 0.5)); };
+  return {rounded(median * PointsPrior::kLabelSteps),
+          rounded(std::min(1.0, total) / (1 + spread * spread) * PointsPrior::kFull)};
+}
+
+}  // namespace
+
+PointsPrior::PointsPrior(const PanoramaGrid& grid, const std::vector<ScenePoint>& points, int labels)
+    : width_(grid.width), cells_((grid.width + kCellPx - 1) / kCellPx, (grid.height + kCellPx - 1) / kCellPx) {
+  if (!(grid.w_near > grid.w_far)) return;
+  const std::vector<Point> sorted = located(grid, points, labels);
+  std::vector<Vote> votes;
+  for (int column = 0; column < cells_.width; ++column) {
+    const double x_px = (column + 0.5) * kCellPx;
+    const auto before = [](const Point& point, double x) { return point.x_px < x; };
+    const auto begin = std::lower_bound(sorted.begin(), sorted.end(), x_px - kReachPx, before);
+    const auto end = std::lower_bound(begin, sorted.end(), x_px + kReachPx, before);
+    for (int row = 0; row < cells_.height; ++row) {
+      const double y_px = (row + 0.5) * kCellPx;
+      votes.clear();
+      for (auto point = begin; point != end; ++point) {
+        const double dx = point->x_px - x_px, dy = point->y_px - y_px, distance2 = dx * dx + dy * dy;
+        if (distance2 > kReachPx * kReachPx) continue;
+        const double falls = 1 + distance2 / (kNearPx * kNearPx);
+        votes.push_back({point->label, point->weight / (falls * falls)});
+      }
+      cells_.at(column, row) = sum_up(votes);
+    }
+  }
+}
+
+PointsPrior::Told PointsPrior::at(int x, int y) const { return cells_.at(x % width_ / kCellPx, y / kCellPx); }
+
+}  // namespace ldp

@@ -1,0 +1,37 @@
+// What feature points around a ray tell of its label where photographs themselves hardly do: on plain surfaces.
+//
+// Each cell of pixels has the median of the labels of the points near it, weighted by nearness and by how many cameras
+// saw them, and a weight: points that are few, far away or of several depths tell little.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry.h"
+#include "panorama.h"
+#include "plane.h"
+
+namespace ldp {
+
+class PointsPrior {
+ public:
+  static constexpr int kLabelSteps = 16;  // parts of a label
+  static constexpr int kFull = 256;       // weight of what many points agree on
+
+  struct Told {
+    int16_t label = 0;  // in 1/kLabelSteps
+    int16_t weight = 0;
+  };
+
+  // Points as the poses give them, in world coordinates; those outside the panorama's depths are left out.
+  PointsPrior(const PanoramaGrid& grid, const std::vector<ScenePoint>& points, int labels);
+
+  // x wraps where the panorama does.
+  Told at(int x, int y) const;
+
+ private:
+  int width_;  // of the panorama
+  Plane<Told> cells_;
+};
+
+}  // namespace ldp
