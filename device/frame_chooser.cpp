@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 namespace ldp {
 namespace {
@@ -20,6 +21,10 @@ constexpr double kMaxTilt = 0.12;    // of the image height
 constexpr double kIdleSpeed = 0.03;  // widths a second
 constexpr int64_t kPatience_ns = 2'000'000'000;
 constexpr double kTurnBack = -0.15;  // widths behind the last kept frame
+constexpr double kLookForFirstFrom_rad = 1.5 * std::numbers::pi;
+constexpr double kSamePlace = 0.6;   // match of two thumbnails from one place, a hand's width apart
+constexpr double kBeside = 0.1;      // widths
+constexpr double kHandShake = 0.02;  // widths
 
 void check(bool good, const char* what) {
   if (!good) throw std::logic_error(std::string("frame choice: ") + what);
@@ -149,17 +154,19 @@ void FrameChooser::measure_speed(const OfferedFrame& frame) {
   if (speed_ >= kIdleSpeed) slow_since_ns_ = frame.time_ns;
 }
 
-// Once nearly round, the first frame comes into view again. Angles from a guessed field of view cannot tell.
-bool FrameChooser::came_round(const GreyImage& thumbnail) const {
-  const double covered = guidance().covered_rad;
-  if (covered < 0.75 * 2 * std::numbers::pi) return false;
-  if (covered > 1.3 * 2 * std::numbers::pi) return true;
-  const Shift shift = estimate_shift(*first_, thumbnail);
-  return shift.match > 0.6 && std::abs(shift.dx_px) < 0.1 * thumbnail.width;
+// Two frames in a row show what the first one showed, passing by as everything does. Of the angle only that it is time to
+// look: near things, which pass faster than the camera turns, and a guessed field of view can more than double it.
+bool FrameChooser::came_round(const GreyImage& thumbnail) {
+  if (guidance().covered_rad < kLookForFirstFrom_rad) return false;
+  const Shift now = estimate_shift(*first_, thumbnail);
+  const std::optional<Shift> before = std::exchange(first_seen_, now);
+  if (!before || before->match < kGoodMatch || now.match < kSamePlace) return false;
+  const double passed = direction_ * (before->dx_px - now.dx_px) / thumbnail.width;
+  return passed > -kHandShake && std::abs(now.dx_px) < kBeside * thumbnail.width;
 }
 
 Guidance FrameChooser::guidance() const {
-  const double radians = 2 * std::tan(options_.fov_rad / 2);  // per share of the width, near the centre
+  const double radians = options_.fov_rad;  // per share of the width, on average over the picture
   Guidance guidance;
   guidance.covered_rad = turned_ * radians;
   guidance.speed_rad_s = speed_ * radians;

@@ -42,7 +42,7 @@ class FrameChooser {
   Verdict offer(const OfferedFrame& frame);
   bool finish();  // the sweep is over: true if the held frame is worth storing
 
-  bool full() const { return full_; }  // closed the circle, or max_frames
+  bool full() const { return full_; }  // the first frame's content came round again, or max_frames
   Guidance guidance() const;
 
  private:
@@ -58,10 +58,11 @@ class FrameChooser {
   void keep(const Seen& seen);
   bool consider(const Seen& seen);
   void measure_speed(const OfferedFrame& frame);
-  bool came_round(const GreyImage& thumbnail) const;
+  bool came_round(const GreyImage& thumbnail);
 
   ChooserOptions options_;
   std::optional<GreyImage> first_;
+  std::optional<Shift> first_seen_;  // from the first frame to the one before, once nearly round
   std::optional<Seen> reference_, held_, previous_;
   int direction_ = 0;  // +1: content moves left, the camera turns right
   int frames_ = 0;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -216,6 +217,52 @@ TEST(FrameChoice, TheSweepIsFullAtTheMostFrames) {
       400, 30, [](int i) { return 100.0 + 4 * i; }, kAllSharp, options);
   EXPECT_EQ(kept.positions.size(), 8U);
   EXPECT_EQ(kept.last.advice, Advice::done);
+}
+
+// Where a sweep over a world that closes after `round_px` ends, in pixels; the upper half of the picture is far, the
+// lower passes `parallax` times as fast.
+double end_of_turn(int round_px, int parallax, double px_per_frame, unsigned seed, ChooserOptions options = {}) {
+  const GreyImage far = landscape(round_px, 100, seed), near = landscape(round_px * parallax, 100, seed + 1);
+  options.max_frames = 1000;
+  FrameChooser chooser(options);
+  for (double at = 0; at < 2.5 * round_px; at += px_per_frame) {
+    GreyImage view = window_of(far, static_cast<int>(at), 10);
+    const GreyImage below = window_of(near, static_cast<int>(at) * parallax, 10);
+    std::copy(below.row(36), below.row(0) + below.samples.size(), view.row(36));
+    chooser.offer({std::move(view), 1, static_cast<int64_t>(at / px_per_frame * 33e6), {}});
+    if (chooser.full()) return at;
+  }
+  return 0;
+}
+
+TEST(FrameChoice, ATurnIsOverWhenTheFirstFrameComesIntoViewAgainWhateverTheAnglesSay) {
+  for (const int parallax : {1, 2}) {
+    for (const int round_px : {475, 700, 1100}) {
+      for (const double px_per_frame : {2.0, 5.0}) {
+        const double end = end_of_turn(round_px, parallax, px_per_frame, 40);
+        EXPECT_GE(end, round_px - 10) << parallax << " " << round_px << " " << px_per_frame;
+        EXPECT_LE(end, round_px + 10) << parallax << " " << round_px << " " << px_per_frame;
+      }
+    }
+  }
+}
+
+TEST(FrameChoice, NoAngleEndsASweepThatHasNotComeRound) {
+  ChooserOptions options;
+  options.max_frames = 1000;
+  const Kept kept = sweep_over(
+      1250, 30, [](int i) { return 3.0 * i; }, kAllSharp, options);
+  EXPECT_GT(kept.last.covered_rad, 40);
+  EXPECT_NE(kept.last.advice, Advice::done);
+}
+
+TEST(FrameChoice, OneLookAlikeDoesNotEndASweep) {
+  const GreyImage world = landscape(4000, 100, 7);
+  FrameChooser chooser({});
+  for (int i = 0; i < 400; ++i) {
+    chooser.offer({window_of(world, i % 50 == 49 ? 0 : 2 * i, 10), 1, i * 33'000'000LL, {}});
+    ASSERT_FALSE(chooser.full()) << i;
+  }
 }
 
 TEST(FrameChoice, AnArmThatIsTooFastIsToldToSlowDown) {
