@@ -16,6 +16,7 @@
 #include "follow.h"
 #include "ldp_file.h"
 #include "output.h"
+#include "own_output.h"
 #include "progress_bar.h"
 
 namespace ldp {
@@ -66,10 +67,10 @@ void print_summary(const BuildCommand& command, const BuildResult& result, size_
 }
 
 int run(const BuildCommand& command, const Session& session) {
-  check_output_file(command.output, ".ldp");
+  check_output_file(command.output, OutputKind::panorama);
   if (std::filesystem::weakly_canonical(command.report) == std::filesystem::weakly_canonical(command.output))
     throw BadInput(command.report + ": is named for the panorama and for the report: choose two names");
-  if (!command.report.empty()) check_output_file(command.report, ".json");
+  if (!command.report.empty()) check_output_file(command.report, OutputKind::report);
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
   PoseEstimator begun{PosesOptions{}};

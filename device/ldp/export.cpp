@@ -9,6 +9,7 @@
 #include "export.h"
 #include "images.h"
 #include "output.h"
+#include "own_output.h"
 #include "panorama_input.h"
 #include "progress_bar.h"
 
@@ -34,7 +35,7 @@ int run(const ExportCommand& command, const Session& session) {
   } catch (const std::runtime_error& error) {
     throw BadInput(error.what());
   }
-  check_output_file(command.output);
+  check_output_file(command.output, exported_kind(command.output));
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
   const LayeredPanorama panorama = read_panorama(command.file, job);

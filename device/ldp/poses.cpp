@@ -14,6 +14,7 @@
 #include "colmap.h"
 #include "commands.h"
 #include "output.h"
+#include "own_output.h"
 #include "progress_bar.h"
 #include "transforms.h"
 
@@ -83,7 +84,12 @@ void print_table(const PosesReport& report) {
 }
 
 int run(const PosesCommand& command, const Session& session) {
-  if (!command.output.empty()) check_output_file(command.output, ".json");
+  if (!command.output.empty()) {
+    check_output_file(command.output, OutputKind::cameras);
+    std::error_code error;
+    if (std::filesystem::equivalent(command.output, command.setup.cameras, error))
+      throw BadInput(command.output + ": is also read, as --cameras: choose another name");
+  }
   const PreparedBuild prepared = prepare(command.setup);
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);

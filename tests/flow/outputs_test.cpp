@@ -90,6 +90,44 @@ TEST_F(Outputs, ViewsNeverReplacePhotos) {
   expect_refusal(to(path("views")), 2, "001.png: is there already and is no view");
 }
 
+TEST_F(Outputs, AFileThatIsThereIsReplacedOnlyByOneOfItsKind) {
+  const std::string file = small_panorama();
+  photo("sweep/0.jpg");
+  fs::copy_file(path("capture/frames/000.png"), path("sweep/1.png"));
+  std::ofstream(path("sweep/capture.json")) << R"({"version": 1, "frames": [{"name": "0.jpg"}]})";
+  std::ofstream(path("sweep/package.json")) << R"({"name": "theirs"})";
+  std::ofstream(path("sweep/theirs.glb")) << "glTF of another program";
+  std::ofstream(path("sweep/theirs.html")) << "<title>Theirs</title>";
+  std::ofstream(path("sweep/theirs.ldp")) << "a list of district plans";
+  std::ofstream(path("sweep/empty.jpg"));
+  const auto before = [&](const std::string& name) { return text_of(path("sweep/" + name)); };
+  std::map<std::string, std::string> kept;
+  for (const char* name : {"0.jpg", "1.png", "capture.json", "package.json", "theirs.glb", "theirs.html"}) {
+    kept[name] = before(name);
+    expect_refusal({"export", file, "-o", path("sweep/" + std::string(name))}, 2, "exists and is no ");
+  }
+  kept["theirs.ldp"] = before("theirs.ldp");
+  expect_refusal({"build", path("capture"), "-o", path("sweep/theirs.ldp")}, 2, "exists and is no .ldp file");
+  for (const char* name : {"capture.json", "package.json"}) {
+    expect_refusal({"poses", path("capture"), "-o", path("sweep/" + std::string(name))}, 2, "exists and is no ");
+    expect_refusal({"build", path("capture"), "-o", path("b.ldp"), "--report", path("sweep/" + std::string(name))}, 2,
+                   "exists and is no report");
+  }
+  const std::string cameras = path("capture/transforms.json");
+  expect_refusal({"poses", path("capture"), "--cameras", cameras, "-o", cameras}, 2, "is also read");
+  for (const auto& [name, bytes] : kept) EXPECT_TRUE(before(name) == bytes) << name;
+  for (const char* name : {"a.jpg", "a.png", "a.json", "a.glb", "a.html", "sweep/empty.jpg"})
+    for (const char* time : {"once", "and over itself"}) {
+      const Outcome exported = ldp({"export", file, "-o", path(name)});
+      EXPECT_EQ(exported.status, 0) << name << " " << time << ": " << exported.err;
+    }
+  for (const char* time : {"once", "and over itself"}) {
+    const Outcome built = ldp({"build", path("capture"), "-o", file, "--cameras", cameras, "--layers", "1", "--labels",
+                               "2", "--report", path("report.json")});
+    EXPECT_EQ(built.status, 0) << time << ": " << built.err;
+  }
+}
+
 TEST_F(Outputs, WhatOnlyAPathHasIsRefusedWithCameras) {
   const std::vector<std::string> words{"render", path("a.ldp"), "--cameras", path("views.json"), "-o", path("views")};
   for (const auto& [option, value] : std::map<std::string, std::string>{

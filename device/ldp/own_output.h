@@ -1,0 +1,18 @@
+// What may be written over: a file that is there already is replaced only by another of its own kind, told by what is in
+// it. A slip of the hand must cost no photo of a sweep, record of a capture or file of another program.
+#pragma once
+
+#include <filesystem>
+
+namespace ldp {
+
+enum class OutputKind { panorama, report, cameras, picture, mesh, viewer };
+
+// The kind that `ldp export` writes by the file's extension, which it must know.
+OutputKind exported_kind(const std::filesystem::path& file);
+
+// Throws BadInput when `file` could not be written (output.h), is named like a file of another kind, or is there, not
+// empty and of another kind.
+void check_output_file(const std::filesystem::path& file, OutputKind kind);
+
+}  // namespace ldp
