@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 #include <utility>
 
@@ -105,6 +106,7 @@ class Build {
     grid.far_depth = options_.far_depth;
     watch_.lap("arc");
     lay_finest_grid(grid);
+    check_range();
     watch_.lap("arc");
     upright_ =
         rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc, grid.pitch_px, job_);
@@ -125,6 +127,22 @@ class Build {
     if (options.pitch_px > 1)
       report_.notes.push_back("to fit the memory allowed, a row of the panorama spans " +
                               std::to_string(options.pitch_px).substr(0, 4) + " of the photos'");
+  }
+
+  // A depth that was asked for may lie on the wrong side of the one that the photos tell.
+  void check_range() const {
+    if (poses_.report.motion == Motion::rotation || grid_.w_far < grid_.w_near) return;
+    const bool far_given = options_.far_depth > 0;
+    const auto text = [](double value) {
+      char digits[32];
+      std::snprintf(digits, sizeof digits, "%.4g", value);
+      return std::string(digits);
+    };
+    throw std::invalid_argument((far_given ? "--far " + text(options_.far_depth) : "--near " + text(options_.near_depth)) +
+                                (far_given ? ": is nearer than what is nearest in the photos, at "
+                                           : ": is farther than what is farthest in the photos, at ") +
+                                text(1 / (far_given ? grid_.w_near : grid_.w_far)) +
+                                (far_given ? ": give a larger one, or --near too" : ": give a smaller one, or --far too"));
   }
 
   // Whether the grid fits the memory allowed; what does not fit goes to files where it may.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "number_within.h"
 #include "output.h"
 #include "session.h"
 #include "transforms.h"
@@ -32,11 +33,11 @@ void add_capture_options(CLI::App& command, BuildSetup& setup) {
   command.add_option("CAPTURE", setup.capture, "Folder of photos, taken in name order")->required();
   command.add_option("--cameras", setup.cameras, "Known cameras (transforms.json); without it they are estimated");
   command.add_option("--fov", setup.fov_deg, "Horizontal field of view of the photos, degrees, as a start")
-      ->check(CLI::Range(5.0, 150.0));
+      ->check(number_within(5.0, 150.0));
   command.add_option("--arm-length", setup.arm_length, "Length of the arm, metres: sets the scale of estimated poses")
-      ->check(CLI::Range(0.05, 100.0));
+      ->check(number_within(0.05, 100.0));
   command.add_option("--megapixels", setup.megapixels, "Larger photos are scaled down to this size")
-      ->check(CLI::Range(0.01, 200.0))
+      ->check(number_within(0.01, 200.0))
       ->capture_default_str();
   command.add_option("--seed", setup.build.poses.seed, "Of every random choice")->capture_default_str();
 }
@@ -61,8 +62,8 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
   command.add_option("--near", build.near_depth, "Nearest depth, in the capture's unit; 0 = from the photos")
-      ->check(CLI::Range(0.0, 1e9));
-  command.add_option("--far", build.far_depth, "Farthest depth; 0 = from the photos")->check(CLI::Range(0.0, 1e9));
+      ->check(number_within(0.0, 1e9));
+  command.add_option("--far", build.far_depth, "Farthest depth; 0 = from the photos")->check(number_within(0.0, 1e9));
   command.add_option("--quality", setup.colour_quality, "Of colour, 1 to 100, layers behind 20 less; 101 = lossless")
       ->check(CLI::Range(1, 101))
       ->capture_default_str();

@@ -8,6 +8,7 @@
 
 #include "capture_session.h"
 #include "commands.h"
+#include "number_within.h"
 
 namespace ldp {
 namespace {
@@ -61,16 +62,16 @@ void add_capture(Program& program) {
                  "hold: while the button is held; toggle: press to begin, press to end; by default what the button can")
       ->check(CLI::IsMember({"hold", "toggle"}));
   app.add_option("--overlap", config.overlap, "Of neighbouring frames")
-      ->check(CLI::Range(0.3, 0.95))
+      ->check(number_within(0.3, 0.95))
       ->capture_default_str();
   app.add_option("--max-frames", config.max_frames, "The sweep ends after so many")
       ->check(CLI::Range(3, 1000))
       ->capture_default_str();
   app.add_option("--max-seconds", config.max_seconds, "The sweep ends after so long")
-      ->check(CLI::Range(1.0, 3600.0))
+      ->check(number_within(1.0, 3600.0))
       ->capture_default_str();
   app.add_option("--fov", config.fov_degrees, "Horizontal field of view, degrees; 0 = unknown")
-      ->check(CLI::Range(0.0, 170.0))
+      ->check(number_within(0.0, 170.0))
       ->capture_default_str();
 }
 

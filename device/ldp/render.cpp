@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "film.h"
 #include "images.h"
+#include "number_within.h"
 #include "output.h"
 #include "panorama_input.h"
 #include "progress_bar.h"
@@ -198,7 +199,7 @@ void add_render(Program& program) {
       ->excludes("--cameras");
   app.add_option("--size", command->size, "Size of views along the path, WIDTHxHEIGHT")->excludes("--cameras");
   app.add_option("--fov", command->fov_deg, "Horizontal field of view along the path, degrees; 0 = that of the photos")
-      ->check(CLI::Range(0.0, 150.0))
+      ->check(number_within(0.0, 150.0))
       ->excludes("--cameras");
   app.add_flag("--depth", command->options.depth, "Also write z-depth, as .pfm");
   app.add_option("--layers", command->options.layers, "Draw at most so many layers")

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "commands.h"
+#include "number_within.h"
 #include "output.h"
 #include "progress_bar.h"
 #include "scene_capture.h"
@@ -57,33 +58,33 @@ void add_scene(Program& program) {
   app.add_flag("--list", command->list, "Print the names of the scenes");
   app.add_option("--frames", path.frames, "Photos in the sweep")->check(CLI::Range(1, 1000))->capture_default_str();
   app.add_option("--arc", command->arc_deg, "Angle of the sweep, degrees")
-      ->check(CLI::Range(0.0, 360.0))
+      ->check(number_within(0.0, 360.0))
       ->capture_default_str();
   app.add_option("--radius", path.radius, "Length of the arm, metres")
-      ->check(CLI::Range(0.0, 1.2))
+      ->check(number_within(0.0, 1.2))
       ->capture_default_str();
   app.add_option("--fov", command->fov_deg, "Horizontal field of view, degrees")
-      ->check(CLI::Range(5.0, 150.0))
+      ->check(number_within(5.0, 150.0))
       ->capture_default_str();
   app.add_option("--size", command->size, "Size of the photos, WIDTHxHEIGHT")->capture_default_str();
-  app.add_option("--k1", path.k1, "Radial distortion of the lens")->check(CLI::Range(-0.3, 0.3))->capture_default_str();
+  app.add_option("--k1", path.k1, "Radial distortion of the lens")->check(number_within(-0.3, 0.3))->capture_default_str();
   app.add_option("--jitter-position", path.position_jitter, "Unsteadiness of the hand, metres")
-      ->check(CLI::Range(0.0, 0.2))
+      ->check(number_within(0.0, 0.2))
       ->capture_default_str();
   app.add_option("--jitter-angle", command->jitter_deg, "Unsteadiness of the hand, degrees")
-      ->check(CLI::Range(0.0, 20.0))
+      ->check(number_within(0.0, 20.0))
       ->capture_default_str();
   app.add_option("--exposure-drift", command->scene.exposure_drift, "Largest relative change of exposure")
-      ->check(CLI::Range(0.0, 0.9))
+      ->check(number_within(0.0, 0.9))
       ->capture_default_str();
   app.add_option("--noise", command->scene.noise, "Sensor noise, deviation in levels of 255")
-      ->check(CLI::Range(0.0, 50.0))
+      ->check(number_within(0.0, 50.0))
       ->capture_default_str();
   app.add_option("--blur", command->scene.blur_px, "Longest motion blur, pixels")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(number_within(0.0, 100.0))
       ->capture_default_str();
   app.add_option("--moving", command->scene.moving_share, "Share of figures and leaves that move")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(number_within(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--seed", command->scene.seed, "Of the scene, the hand and the noise")->capture_default_str();
   app.add_flag("--no-novel", command->no_novel, "Leave the novel views out");

@@ -246,6 +246,34 @@ TEST_F(Flow, RefusesUnknownWordsAndBadValuesInOneLine) {
   expect_refusal({"render", path("none.ldp"), "--path", "sway", "-o", path("views")}, 2, "none.ldp");
 }
 
+TEST_F(Flow, NanIsNoNumberToAnyOption) {
+  for (const char* command : {"build", "poses", "evaluate"})
+    for (const char* option : {"--fov", "--arm-length", "--megapixels"})
+      expect_refusal({command, path("x"), option, "nan"}, 2, std::string(option) + ": Value nan");
+  for (const char* option : {"--near", "--far"})
+    expect_refusal({"build", path("x"), "-o", path("a.ldp"), option, "NaN"}, 2, std::string(option) + ": Value NaN");
+  expect_refusal({"render", path("a.ldp"), "--path", "sway", "-o", path("views"), "--fov", "nan"}, 2, "--fov: Value nan");
+  for (const char* option : {"--arc", "--radius", "--fov", "--k1", "--jitter-position", "--jitter-angle",
+                             "--exposure-drift", "--noise", "--blur", "--moving"})
+    expect_refusal({"scene", "room", "-o", path("room"), option, "nan"}, 2, std::string(option) + ": Value nan");
+  expect_refusal({"scene", "room", "-o", path("room"), "--arc", "361"}, 2, "not in range");
+}
+
+TEST_F(Flow, ADepthOnTheWrongSideOfThoseOfThePhotosIsRefusedByItsOption) {
+  ASSERT_EQ(ldp({"scene", "room", "-o", path("room"), "--frames", "6", "--arc", "60", "--size", "240x180", "--no-novel"})
+                .status,
+            0);
+  const std::vector<std::string> words{"build", path("room"), "-o", path("a.ldp"), "--cameras",
+                                       path("room/transforms.json")};
+  const auto with = [&](const std::string& option, const std::string& depth) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), {option, depth});
+    return all;
+  };
+  expect_refusal(with("--far", "1e-9"), 2, "--far 1e-09: is nearer than what is nearest in the photos, at ");
+  expect_refusal(with("--near", "1e9"), 2, "--near 1e+09: is farther than what is farthest in the photos, at ");
+}
+
 TEST_F(Flow, EveryCommandHasHelp) {
   for (const char* command : {"build", "render", "info", "verify", "evaluate", "poses", "scene"}) {
     const Outcome help = ldp({command, "--help"});

@@ -1,0 +1,22 @@
+// The range check of every option that takes a number with a fraction.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace ldp {
+
+// CLI::Range, which lets nan pass, without it.
+inline CLI::Validator number_within(double low, double high) {
+  const CLI::Range range(low, high);
+  return CLI::Validator(
+      [low, high, range](std::string& text) {
+        double value = 0;
+        if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return std::string();
+        const std::string refusal = range(text);
+        return refusal.empty() ? "Value " + text + " is not a number" : refusal;
+      },
+      range.get_description());
+}
+
+}  // namespace ldp
