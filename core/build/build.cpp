@@ -85,6 +85,9 @@ class Build {
     } else {
       for (int iteration = 1; iteration <= options_.iterations; ++iteration) find_layers(iteration);
     }
+    if (layers_.empty())
+      throw Impossible(std::string("no two photos show the same thing at any depth") +
+                       (options_.cameras.empty() ? "" : ": are the cameras given those of these photos?"));
     split_columns();
     choose_photographs();
     return assemble();

@@ -78,7 +78,8 @@ class PoseEstimator {
 Poses estimate_poses(const FrameSource& frames, PoseEstimator begun, const Job& job);
 
 // The same points and report for cameras that are already known (matched to frames by name; frames without a camera
-// are reported as dropped). Cameras are left exactly as given. Throws Impossible when fewer than 3 names match.
+// are reported as dropped). Cameras are left exactly as given. Throws Impossible when fewer than 3 names match,
+// std::runtime_error when the photos tell that y and z of the cameras' axes are turned round.
 Poses triangulate(const FrameSource& frames, const std::vector<Camera>& cameras, const PosesOptions& options,
                   const Job& job);
 

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <stdexcept>
+#include <string>
 
 #include "keypoints.h"
 #include "matches.h"
@@ -86,11 +88,76 @@ bool agrees(const KnownFrame& a, const KnownFrame& b, const Match& match, const 
   return point && sighting_error(*point, both[0]) < tolerance && sighting_error(*point, both[1]) < tolerance;
 }
 
-struct Placed {
-  Track track;
-  InversePoint point;
-  double squared_px = 0;  // sum over the observations
+// With y and z of its axes turned round: what a camera of OpenCV's or COLMAP's axes becomes when it is read as OpenGL's.
+KnownFrame turned(const KnownFrame& known) {
+  KnownFrame other{known.frame, known.camera, {}, known.rays};
+  other.camera.pose.world_from_camera *= Eigen::Vector3d(1, -1, -1).asDiagonal();
+  return other;
+}
+
+double ray_tolerance(const KnownFrame& known) {
+  return kTolerance * longer_side(known.camera.intrinsics) / known.camera.intrinsics.fx;
+}
+
+// How many matches there are, how many agree with the cameras, and how many would with all of them turned.
+struct Agreement {
+  int matches = 0, agree = 0, agree_turned = 0;
 };
+
+// Keeps of all pairs' matches those that agree with the cameras.
+Agreement keep_agreeing(const std::vector<KnownFrame>& known, const Eigen::Vector3d& origin,
+                        std::vector<PairMatches>& pairs, const Job& job) {
+  std::vector<Agreement> counts(pairs.size());
+  parallel_for(job, static_cast<int>(pairs.size()), [&](int i) {
+    PairMatches& pair = pairs[static_cast<size_t>(i)];
+    Agreement& count = counts[static_cast<size_t>(i)];
+    const KnownFrame &a = known[static_cast<size_t>(pair.a)], &b = known[static_cast<size_t>(pair.b)];
+    const KnownFrame a_turned = turned(a), b_turned = turned(b);
+    const double tolerance = ray_tolerance(a);
+    for (const Match& match : match_features(a.features, b.features, MatchOptions{})) {
+      ++count.matches;
+      count.agree_turned += agrees(a_turned, b_turned, match, origin, tolerance) ? 1 : 0;
+      if (agrees(a, b, match, origin, tolerance)) pair.matches.push_back(match);
+    }
+    count.agree = static_cast<int>(pair.matches.size());
+  });
+  Agreement sum;
+  for (const Agreement& count : counts) {
+    sum.matches += count.matches;
+    sum.agree += count.agree;
+    sum.agree_turned += count.agree_turned;
+  }
+  return sum;
+}
+
+constexpr int kFewest = 50;  // matches, below which nothing is said of the cameras
+
+// Good cameras agree with 0.7 to 0.98 of the matches, turned ones with more than 0.8 of those only where all look the
+// same way.
+void refuse_turned_axes(const Agreement& agreement) {
+  if (agreement.matches < kFewest || 2 * agreement.agree_turned < agreement.matches ||
+      agreement.agree > 0.8 * agreement.agree_turned)
+    return;
+  throw std::runtime_error(
+      "the photos contradict the cameras given, and agree with them when y and z of their axes are turned round: they "
+      "seem to be OpenCV's or COLMAP's (y down, z forward): a transforms.json has OpenGL's (y up, z back), so negate the "
+      "second and third column of each transform_matrix");
+}
+
+std::string doubt(const Agreement& agreement) {
+  const double share = agreement.agree / std::max(1.0, static_cast<double>(agreement.matches));
+  if (agreement.matches < kFewest || share > 0.25) return {};
+  return "only " + std::to_string(static_cast<int>(100 * share)) + " % of what photos have in common agrees with the " +
+         "cameras given: are they of these photos, uncropped, with the right focal length and lens?";
+}
+
+// Cameras at one place, or with everything far away: nothing moves by half a pixel.
+bool only_turned(std::vector<double>& parallax_px, double spread) {
+  if (parallax_px.empty()) return spread == 0;
+  const auto high = parallax_px.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(parallax_px.size() - 1));
+  std::nth_element(parallax_px.begin(), high, parallax_px.end());
+  return *high < 0.5;
+}
 
 }  // namespace
 
@@ -105,23 +172,18 @@ Poses triangulate(const FrameSource& frames, const std::vector<Camera>& cameras,
 
   job.report("matching", 0.6);
   std::vector<PairMatches> pairs = neighbours(known);
-  parallel_for(job, static_cast<int>(pairs.size()), [&](int i) {
-    PairMatches& pair = pairs[static_cast<size_t>(i)];
-    const KnownFrame &a = known[static_cast<size_t>(pair.a)], &b = known[static_cast<size_t>(pair.b)];
-    const double tolerance = kTolerance * longer_side(a.camera.intrinsics) / a.camera.intrinsics.fx;
-    for (const Match& match : match_features(a.features, b.features, MatchOptions{})) {
-      if (agrees(a, b, match, origin, tolerance)) pair.matches.push_back(match);
-    }
-  });
+  const Agreement agreement = keep_agreeing(known, origin, pairs, job);
+  refuse_turned_axes(agreement);
 
   Poses poses;
+  poses.report.doubt = doubt(agreement);
   poses.report.frames.resize(static_cast<size_t>(frames.size()));
   for (int i = 0; i < frames.size(); ++i) {
     poses.report.frames[static_cast<size_t>(i)].name = frames.name(i);
     poses.report.frames[static_cast<size_t>(i)].reason = "no camera was given for it";
   }
   std::vector<Features> features;
-  std::vector<double> squared(known.size(), 0);
+  std::vector<double> squared(known.size(), 0), parallax_px;
   for (KnownFrame& k : known) {
     FrameReport& report = poses.report.frames[static_cast<size_t>(k.frame)];
     report.posed = true;
@@ -138,10 +200,12 @@ Poses triangulate(const FrameSource& frames, const std::vector<Camera>& cameras,
       sightings.push_back(sighting(known[static_cast<size_t>(o.frame)], o.feature, origin));
       ++poses.report.frames[static_cast<size_t>(known[static_cast<size_t>(o.frame)].frame)].matches;
     }
-    const Intrinsics& k = known[static_cast<size_t>(track.front().frame)].camera.intrinsics;
+    const KnownFrame& first = known[static_cast<size_t>(track.front().frame)];
+    const Intrinsics& k = first.camera.intrinsics;
     std::vector<bool> used;
-    const auto point = triangulate_point_robustly(sightings, kTolerance * longer_side(k) / k.fx, used);
+    const auto point = triangulate_point_robustly(sightings, ray_tolerance(first), used);
     if (!point) continue;
+    parallax_px.push_back(spread * point->inverse_distance * k.fx);
     ScenePoint scene{origin + point->direction / std::max(point->inverse_distance, 1 / largest), {}};
     std::vector<Eigen::Vector2d> seen;
     for (size_t i = 0; i < track.size(); ++i) {
@@ -156,6 +220,7 @@ Poses triangulate(const FrameSource& frames, const std::vector<Camera>& cameras,
     poses.points.push_back(std::move(scene));
     poses.sightings.push_back(std::move(seen));
   }
+  if (only_turned(parallax_px, spread)) poses.report.motion = Motion::rotation;
   int inliers = 0;
   double sum = 0;
   for (size_t i = 0; i < known.size(); ++i) {

@@ -27,6 +27,20 @@ std::string read_memory_size(std::string& text) {
   }
 }
 
+// Half-way to the picture's corners the lens must map one direction to one place: what is nonsense there is no lens.
+void check_lenses(const std::vector<Camera>& cameras, const std::string& file) {
+  for (const Camera& camera : cameras) {
+    const Intrinsics& k = camera.intrinsics;
+    for (const double x : {0.25, 0.75})
+      for (const double y : {0.25, 0.75}) {
+        const Eigen::Vector2d at(x * k.width, y * k.height);
+        if (!((project(k, unproject(k, at)) - at).norm() < 1))
+          throw BadInput(file + ": frame " + camera.name +
+                         ": its lens bends the picture beyond measure: check k1, k2, p1 and p2");
+      }
+  }
+}
+
 }  // namespace
 
 void add_capture_options(CLI::App& command, BuildSetup& setup) {
@@ -111,6 +125,7 @@ PreparedBuild prepare(const BuildSetup& setup) {
   options.poses = poses_options(setup, prepared.notes);
   if (!setup.cameras.empty()) {
     options.cameras = prepared.frames.fit(read_transforms(setup.cameras));
+    check_lenses(options.cameras, setup.cameras);
     if (options.cameras.size() < 3) {
       throw BadInput(setup.cameras + ": only " + std::to_string(options.cameras.size()) +
                      " of its cameras are named like photos of " + setup.capture +

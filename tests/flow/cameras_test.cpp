@@ -1,0 +1,55 @@
+// Cameras given to `ldp` that cannot be meant: axes of another program, no lens, another sweep, all at one place.
+
+#include <nlohmann/json.hpp>
+
+#include "flow.h"
+
+namespace ldp {
+namespace {
+
+class GivenCameras : public Flow {
+ protected:
+  // The true cameras of a small capture, after `change` was done to every frame.
+  template <class Change>
+  std::vector<std::string> build_with(const Change& change) const {
+    const std::string from = capture();
+    auto json = nlohmann::json::parse(text_of(from + "/transforms.json"));
+    for (auto& frame : json["frames"]) change(json, frame);
+    std::ofstream(path("cameras.json")) << json;
+    return {"build", from, "-o", path("a.ldp"), "--cameras", path("cameras.json"), "--layers", "1"};
+  }
+};
+
+TEST_F(GivenCameras, AxesOfOpenCvAreRefusedByThatName) {
+  std::vector<std::string> words = build_with([](auto&, auto& frame) {
+    for (auto& row : frame["transform_matrix"])
+      for (const size_t column : {1U, 2U}) row[column] = -row[column].template get<double>();
+  });
+  expect_refusal(words, 2, "seem to be OpenCV's or COLMAP's (y down, z forward)");
+  words[0] = "poses", words.resize(words.size() - 2), words[3] = path("poses.json");
+  expect_refusal(words, 2, "seem to be OpenCV's or COLMAP's (y down, z forward)");
+}
+
+TEST_F(GivenCameras, ALensThatIsNoneIsRefusedByItsCamera) {
+  expect_refusal(build_with([](auto& json, auto& frame) { json["k1"] = frame["k1"] = 50; }), 2,
+                 "cameras.json: frame 000.png: its lens bends the picture beyond measure");
+}
+
+TEST_F(GivenCameras, CamerasAtOnePlaceMakeOneFarLayerAndThoseThatPhotosContradictAreDoubted) {
+  const Outcome built = ldp(build_with([](auto& json, auto& frame) {
+    for (const size_t row : {0U, 1U, 2U})
+      frame["transform_matrix"][row][3] = json["frames"][0]["transform_matrix"][row][3];
+  }));
+  EXPECT_EQ(built.status, 0);
+  EXPECT_THAT(built.err, HasSubstr("no parallax was found: one far layer\n"));
+  EXPECT_THAT(built.err, HasSubstr("of what photos have in common agrees with the cameras given"));
+}
+
+TEST_F(GivenCameras, TrueCamerasAreNotSpokenOf) {
+  const Outcome built = ldp(build_with([](auto&, auto&) {}));
+  EXPECT_EQ(built.status, 0);
+  EXPECT_EQ(built.err, "");
+}
+
+}  // namespace
+}  // namespace ldp
