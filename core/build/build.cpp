@@ -181,7 +181,10 @@ class Build {
     }
   }
 
-  static std::string mebibytes(size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; }
+  static std::string mebibytes(size_t bytes) { 
+    if (bytes < 1 << 20) return std::to_string(bytes) + " bytes";
+    return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB";
+  }
 
   void one_far_layer() {
     report_.notes.push_back("no parallax was found: one far layer");

@@ -1,11 +1,18 @@
 #include "folder_frames.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <stdexcept>
+#include <string>
+#include <system_error>
 
 #include "resize.h"
 #include "transforms.h"
@@ -17,9 +24,58 @@ namespace fs = std::filesystem;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-bool is_photo(const fs::directory_entry& entry) {
-  std::string ending = entry.path().extension().string();
+fs::directory_iterator entries_of(const fs::path& folder) {
+  std::error_code error;
+  fs::directory_iterator entries(folder, error);
+  if (error)
+    throw std::runtime_error(folder.string() + ": cannot be read (" + error.message() + "): check its permissions");
+  return entries;
+}
+
+// In lower case, with its dot.
+std::string ending_of(const fs::path& file) {
+  std::string ending = file.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
+
+// What to do where a folder has no photos but something that can become some; empty where it has nothing of the kind.
+std::string what_else(const fs::path& folder) {
+  std::map<std::string, int> pictures, films;
+  for (const auto& entry : entries_of(folder)) {
+    const std::string ending = ending_of(entry.path());
+    if (entry.path().filename().string().starts_with('.')) continue;
+    for (const char* kind : {".heic", ".heif", ".avif", ".webp", ".tif", ".tiff", ".gif", ".bmp", ".dng"})
+      if (ending == kind) ++pictures[entry.path().extension().string()];
+    for (const char* kind : {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".3gp"})
+      if (ending == kind) ++films[entry.path().extension().string()];
+  }
+  const auto list = [](const std::map<std::string, int>& kinds) {
+    std::string text;
+    for (const auto& [ending, count] : kinds)
+      text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + ending;
+    return text;
+  };
+  const auto common = [](const std::map<std::string, int>& kinds) {
+    return std::max_element(kinds.begin(), kinds.end(), [](auto& a, auto& b) { return a.second < b.second; })->first;
+  };
+  const auto command = [](const std::string& ending) {
+    const std::string kind = ending_of("a" + ending);
+    if (kind == ".heic" || kind == ".heif" || kind == ".avif")
+      return "with: for f in *" + ending + "; do heif-convert -q 95 \"$f\" \"${f%.*}.jpg\"; done";
+    return "with: mogrify -format jpg -quality 95 '*" + ending + "'";
+  };
+  if (!pictures.empty())
+    return "no .jpg or .png photos in it but " + list(pictures) + ": convert them in there " + command(common(pictures));
+  if (!films.empty())
+    return "no .jpg or .png photos in it but " + list(films) +
+           ": take two or three pictures a second out of the film in there with: ffmpeg -i FILM" + common(films) +
+           " -vf fps=3 -q:v 2 %04d.jpg";
+  return {};
+}
+
+bool is_photo(const fs::directory_entry& entry) {
+  const std::string ending = ending_of(entry.path());
   const bool hidden = entry.path().filename().string().starts_with('.');
   return !hidden && (ending == ".jpg" || ending == ".jpeg" || ending == ".png") && entry.is_regular_file();
 }
@@ -27,6 +83,9 @@ bool is_photo(const fs::directory_entry& entry) {
 std::string text_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
 
 ImageSize one_size_of(const std::vector<fs::path>& files, const fs::path& folder) {
+  for (const fs::path& file : files)
+    if (::access(file.c_str(), R_OK) != 0)
+      throw std::runtime_error(file.string() + ": cannot be read (" + std::strerror(errno) + "): check its permissions");
   const ImageSize first = read_image_size(files.front());
   for (const fs::path& file : files) {
     const ImageSize size = read_image_size(file);
@@ -99,7 +158,7 @@ bool precedes_naturally(const std::string& a, const std::string& b) {
 
 std::vector<fs::path> list_photos(const fs::path& folder) {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
+  for (const auto& entry : entries_of(folder)) {
     if (is_photo(entry)) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
@@ -115,8 +174,11 @@ FolderFrames::FolderFrames(const fs::path& folder, const FolderFramesOptions& op
     throw std::runtime_error(folder.string() + ": is not a folder: give a folder of photos");
   files_ = list_photos(folder);
   if (files_.empty() && fs::is_directory(folder / "frames")) files_ = list_photos(folder / "frames");
-  if (files_.empty())
-    throw std::runtime_error(folder.string() + ": no .jpg or .png photos in it: give a folder of photos");
+  if (files_.empty()) {
+    const std::string other = what_else(fs::is_directory(folder / "frames") ? folder / "frames" : folder);
+    throw std::runtime_error(folder.string() + ": " +
+                             (other.empty() ? "no .jpg or .png photos in it: give a folder of photos" : other));
+  }
   stored_ = one_size_of(files_, folder);
   working_ = shrunk(stored_, options.max_pixels);
 }

@@ -190,8 +190,13 @@ std::vector<Camera> parse_transforms(std::string_view text, const std::string& n
   Json json;
   try {
     json = Json::parse(text);
-  } catch (const Json::exception& e) {
-    throw std::runtime_error(name + ": not valid JSON: " + e.what());
+  } catch (const Json::parse_error& error) {
+    const std::string_view before = text.substr(0, std::min(error.byte > 0 ? error.byte - 1 : 0, text.size()));
+    throw std::runtime_error(name + ": not valid JSON in line " +
+                             std::to_string(1 + std::count(before.begin(), before.end(), '\n')) +
+                             ": was it cut short or edited by hand?");
+  } catch (const Json::exception&) {
+    throw std::runtime_error(name + ": not valid JSON: a number in it is too large");
   }
   if (!json.is_object() || !json.contains("frames") || !json["frames"].is_array())
     throw std::runtime_error(name + ": no list \"frames\": is this a transforms.json?");

@@ -146,8 +146,13 @@ void print_text(const std::string& file, const LdpDescription& description) {
 
 int run(const std::string& file, const Session& session) {
   check_input_file(file);
+  Job job;
+  job.threads = session.thread_count();
+  job.stop = session.stop;
   try {
     const MappedFile mapped(file);
+    const std::vector<std::string> damages = verify_ldp(mapped.bytes(), job);
+    if (!damages.empty()) throw LdpError(damages.front());
     const LdpDescription description = describe_ldp(mapped.bytes());
     if (session.json)
       std::printf("%s\n", info_json(description).dump(1, ' ', false, Json::error_handler_t::replace).c_str());

@@ -21,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path without_trailing_slash(const fs::path& path) {
+  if (path.empty()) throw BadInput("the name of an output is empty: give the name of a folder");
   const fs::path whole = fs::absolute(path).lexically_normal();
   return whole.has_filename() ? whole : whole.parent_path();
 }
@@ -72,6 +73,7 @@ void check_input_file(const fs::path& file) {
 
 void check_output_file(const fs::path& file) {
   std::error_code error;
+  if (file.empty()) throw BadInput("the name of an output is empty: give the name of a file");
   if (fs::is_directory(file, error)) throw BadInput(file.string() + ": is a folder: give the name of a file");
   if (fs::exists(file, error) && !fs::is_regular_file(file, error)) return;  // a pipe or device
   check_folder_takes_files(without_trailing_slash(file).parent_path(), file);

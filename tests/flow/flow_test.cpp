@@ -147,6 +147,44 @@ TEST_F(Flow, RefusesAnEmptyFolderOnePhotoAndNoFolder) {
   expect_refusal({"build", path("none"), "-o", path("a.ldp")}, 2, "there is no such folder");
 }
 
+TEST_F(Flow, NamesWhatAFolderHoldsInsteadOfPhotosAndHowToConvertIt) {
+  const auto with = [&](const std::string& file) {
+    fs::create_directories(fs::path(path(file)).parent_path());
+    std::ofstream(path(file)) << "x";
+    return std::vector<std::string>{"build", fs::path(path(file)).parent_path().string(), "-o", path("a.ldp")};
+  };
+  with("phone/b.HEIC");
+  expect_refusal(with("phone/a.HEIC"), 2, "in it but 2 .HEIC: convert them in there with: for f in *.HEIC;");
+  for (const char* ending : {".webp", ".tiff", ".gif"})
+    expect_refusal(with(std::string("other") + ending + "/a" + ending), 2, "but 1 " + std::string(ending) + ": convert");
+  expect_refusal(with("film/a.mov"), 2, "but 1 .mov: take two or three pictures a second out of the film");
+  expect_refusal(with("texts/a.txt"), 2, "no .jpg or .png photos in it: give a folder of photos");
+}
+
+TEST_F(Flow, RefusesAFolderAPhotoAndCamerasThatCannotBeRead) {
+  for (const char* name : {"a.jpg", "b.jpg", "c.jpg"}) photo("photos/" + std::string(name));
+  std::vector<std::string> through;
+  if (::geteuid() == 0) through = {"setpriv", "--bounding-set=-dac_override,-dac_read_search"};
+  const std::vector<std::string> words{"build", path("photos"), "-o", path("a.ldp")};
+  fs::permissions(path("photos/b.jpg"), fs::perms::none);
+  expect_refusal(words, 2, "b.jpg: cannot be read (Permission denied)", through);
+  fs::permissions(path("photos/b.jpg"), fs::perms::owner_all);
+  const std::string from = capture();
+  std::ofstream(path("cameras.json")) << "{\n\"frames\": [\n";
+  const Outcome cut = ldp({"build", from, "-o", path("a.ldp"), "--cameras", path("cameras.json")});
+  EXPECT_EQ(cut.status, 2);
+  EXPECT_THAT(cut.err, HasSubstr("cameras.json: not valid JSON in line 3"));
+  EXPECT_THAT(cut.err, testing::Not(HasSubstr("exception")));
+  const Outcome little = ldp({"build", from, "-o", path("a.ldp"), "--cameras", from + "/transforms.json", "--memory", "64"});
+  EXPECT_THAT(little.err, HasSubstr(" 64 bytes are allowed"));
+  // A folder is named and closed at last: contents() could not look into it.
+  fs::permissions(path("photos"), fs::perms::none);
+  const Outcome closed = Running(words, room_, through).wait();
+  fs::permissions(path("photos"), fs::perms::owner_all);
+  EXPECT_EQ(closed.status, 2) << closed.err;
+  EXPECT_THAT(closed.err, HasSubstr("photos: cannot be read (Permission denied)"));
+}
+
 TEST_F(Flow, RefusesMixedSizesAndATruncatedPhotoByName) {
   for (const char* name : {"mixed/a.jpg", "mixed/c.jpg", "cut/a.jpg", "cut/b.jpg", "cut/c.jpg"}) photo(name);
   photo("mixed/b.jpg", 80, 48);
@@ -232,6 +270,7 @@ TEST_F(Flow, RefusesAPanoramaThatWasCutShortOrChanged) {
   bytes[bytes.size() / 2] ^= 0x10;
   write_file(path("changed.ldp"), bytes);
   expect_refusal({"verify", path("changed.ldp")}, 1, "changed.ldp");
+  expect_refusal({"info", path("changed.ldp")}, 2, "changed.ldp");
   expect_refusal({"export", path("changed.ldp"), "-o", path("a.json")}, 2, "changed.ldp");
   expect_refusal({"render", path("changed.ldp"), "--path", "sway", "-o", path("views")}, 2, "changed.ldp");
 }

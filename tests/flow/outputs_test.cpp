@@ -128,6 +128,13 @@ TEST_F(Outputs, AFileThatIsThereIsReplacedOnlyByOneOfItsKind) {
   }
 }
 
+TEST_F(Outputs, AnEmptyNameIsRefusedInOneLine) {
+  expect_refusal({"build", path("x"), "-o", ""}, 2, "the name of an output is empty");
+  expect_refusal({"scene", "room", "-o", ""}, 2, "no output folder is named");
+  const std::string file = small_panorama();
+  expect_refusal(render_path(file, "", 2), 2, "the name of an output is empty");
+}
+
 TEST_F(Outputs, WhatOnlyAPathHasIsRefusedWithCameras) {
   const std::vector<std::string> words{"render", path("a.ldp"), "--cameras", path("views.json"), "-o", path("views")};
   for (const auto& [option, value] : std::map<std::string, std::string>{
