@@ -80,10 +80,9 @@ CaptureSession::CaptureSession(Config config, Run run, std::stop_token stop)
   for (const std::string& url : config_.status) pending_statuses_.push_back({url, {}});
   open_statuses_again();
   store_.prepare();
+  if (run_ != Run::capture_only) lock_ = store_.lock();
   if (run_ != Run::service) {
-    camera_ =
-        open_camera(config_.camera);  // first: a script's time begins with its button, and a scene is rendered here
-    button_ = open_button(config_.button);
+    open_devices();
     return;
   }
   for (const CaptureState& capture : store_.recover()) {
@@ -92,6 +91,18 @@ CaptureSession::CaptureSession(Config config, Run run, std::stop_token stop)
     if (wants && capture.frames >= config_.min_frames) backlog_.push_back(capture.name);
   }
   open_button_again(monotonic_now_ns());
+}
+
+// A scene is rendered when it is opened: a mistake in the button is told before. The button that is used comes after, for
+// a script's time begins with it.
+void CaptureSession::open_devices() {
+  try {
+    open_button(config_.button).reset();
+    camera_ = open_camera(config_.camera);
+    button_ = open_button(config_.button);
+  } catch (const std::runtime_error& error) {
+    throw UnusableDevice(error.what());
+  }
 }
 
 // --- the loop --------------------------------------------------------------------------------------------------------

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -23,6 +24,11 @@
 
 namespace ldp {
 
+// A camera or button that was named for a single run cannot be opened.
+struct UnusableDevice : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 enum class Run : uint8_t {
   service,       // until told to stop
   once,          // one sweep, its build, then the end
@@ -32,7 +38,8 @@ enum class Run : uint8_t {
 class CaptureSession {
  public:
   // Ends when asked through `stop`, or, where that can never be, by SIGTERM, SIGINT and SIGHUP, which it then blocks in
-  // this thread and all that start later.
+  // this thread and all that start later. Throws UnusableDevice, and what CaptureStore throws where the folder cannot be
+  // used or another service works in it.
   CaptureSession(Config config, Run run, std::stop_token stop = {});
   CaptureSession(const CaptureSession&) = delete;
   CaptureSession& operator=(const CaptureSession&) = delete;
@@ -77,6 +84,7 @@ class CaptureSession {
   void follow(const std::string& stored_file);
   bool follower_takes_over();
 
+  void open_devices();
   void open_button_again(int64_t now_ns);
   void open_statuses_again();
   void serve_button();
@@ -103,6 +111,7 @@ class CaptureSession {
   Run run_;
   UniqueFd end_request_;  // readable when the session is to end
   CaptureStore store_;
+  UniqueFd lock_;  // on the store; let go after the builds have ended
   ServiceNotice notice_;
   FrameWriter writer_;
   std::vector<OpenStatus> statuses_;

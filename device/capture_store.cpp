@@ -1,17 +1,19 @@
 #include "capture_store.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "clocks.h"
 #include "errors.h"
 #include "images.h"
-#include "unique_fd.h"
 
 namespace ldp {
 namespace {
@@ -21,6 +23,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr uint64_t kFirstGuess_bytes = uint64_t{24} << 20;  // of a sweep with its panorama, before there is one
 constexpr const char* kPrefix = "sweep_";
+constexpr int kLockAttempts = 20;
+constexpr std::chrono::milliseconds kLockInterval{25};
 
 std::optional<int> number_of(const std::string& name) {
   if (!name.starts_with(kPrefix)) return std::nullopt;
@@ -115,6 +119,21 @@ void CaptureStore::prepare() const {
   fs::create_directories(output_, error);
   if (error) throw std::runtime_error("cannot make the folder " + output_.string() + ": " + error.message());
   if (::access(output_.c_str(), W_OK) != 0) throw_errno("cannot write into " + output_.string());
+}
+
+UniqueFd CaptureStore::lock() const {
+  const fs::path file = output_ / ".lock";
+  UniqueFd fd(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+  if (!fd.is_open()) throw_errno("cannot open " + file.string());
+  // Of a service that was killed, a build about to start may hold the lock for a moment more.
+  for (int attempt = 1; ::flock(fd.get(), LOCK_EX | LOCK_NB) != 0; ++attempt) {
+    if (errno != EWOULDBLOCK && errno != EINTR) throw_errno("cannot lock " + file.string());
+    if (attempt == kLockAttempts) {
+      throw std::runtime_error("another ldpd works in " + output_.string() + ": stop it, or name another folder");
+    }
+    std::this_thread::sleep_for(kLockInterval);
+  }
+  return fd;
 }
 
 std::vector<CaptureState> CaptureStore::recover() const {

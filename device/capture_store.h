@@ -5,6 +5,7 @@
 //   OUTPUT/sweep_000012/build.json          interrupted, failed and cancelled builds
 //   OUTPUT/sweep_000012.ldp                 the panorama
 //   OUTPUT/.building/                       a build in progress writes here; emptied at start
+//   OUTPUT/.lock                            locked by the one service that works here
 //   OUTPUT/.last_sweep                      the last number given: a number is never given twice, whatever was deleted
 //
 // Every file: temporary file in the same folder, fsync, rename, fsync of the folder. Nothing is ever deleted but
@@ -18,6 +19,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "unique_fd.h"
 
 namespace ldp {
 
@@ -62,6 +65,10 @@ class CaptureStore {
   explicit CaptureStore(std::filesystem::path output) : output_(std::move(output)) {}
 
   void prepare() const;  // makes the folder where it is missing; throws std::system_error if it cannot be written
+
+  // Held as long as the descriptor is open; the kernel lets go of it with the process, however that ends. Throws
+  // std::runtime_error if another process holds it.
+  [[nodiscard]] UniqueFd lock() const;
 
   // Removes what an interrupted run left behind: temporary files, unfinished builds. Gives the captures in order.
   std::vector<CaptureState> recover() const;

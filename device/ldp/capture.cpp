@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "capture_session.h"
 #include "commands.h"
@@ -12,6 +13,8 @@
 
 namespace ldp {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct CaptureCommand {
   Config config;
@@ -25,20 +28,51 @@ void refuse_used_folder(const std::string& folder) {
   if (!std::filesystem::is_empty(folder)) throw BadInput(folder + ": is not empty: name a new folder");
 }
 
+// The output folder of a capture that may come to nothing: where no frame was kept, it and the folders made for it go
+// again. The folder must be new or empty.
+class NewFolder {
+ public:
+  explicit NewFolder(const std::string& folder) {
+    for (fs::path missing = fs::absolute(folder); !fs::exists(missing); missing = missing.parent_path()) {
+      made_.push_back(missing);
+    }
+    folder_ = folder;
+  }
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+  ~NewFolder() {
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder_, error)) {
+      if (entry.path().extension() == ".jpg") return;
+    }
+    fs::remove(folder_ / "capture.json", error);
+    for (const fs::path& made : made_) fs::remove(made, error);  // innermost first; none that holds anything else
+  }
+
+ private:
+  fs::path folder_;
+  std::vector<fs::path> made_;
+};
+
 int run_capture(CaptureCommand command, const Session& session) {
   Config& config = command.config;
   refuse_used_folder(config.output);
   if (!command.mode.empty()) config.mode = command.mode == "hold" ? ButtonMode::hold : ButtonMode::toggle;
   for (const ConfigMistake& mistake : wrong_devices(config)) throw BadInput("--" + mistake.text);
-  CaptureSession capture(config, Run::capture_only, session.stop);
-  const int status = capture.run();
-  if (session.stop.stop_requested()) return kInterrupted;
-  if (status != kDone) throw Impossible(capture.last_failure());
-  if (session.json) {
-    const nlohmann::ordered_json json{{"capture", config.output}, {"frames", capture.frames_stored()}};
-    std::printf("%s\n", json.dump().c_str());
+  const NewFolder folder(config.output);
+  try {
+    CaptureSession capture(config, Run::capture_only, session.stop);
+    const int status = capture.run();
+    if (session.stop.stop_requested()) return kInterrupted;
+    if (status != kDone) throw Impossible(capture.last_failure());
+    if (session.json) {
+      const nlohmann::ordered_json json{{"capture", config.output}, {"frames", capture.frames_stored()}};
+      std::printf("%s\n", json.dump().c_str());
+    }
+    return kDone;
+  } catch (const UnusableDevice& error) {
+    throw BadInput(error.what());
   }
-  return kDone;
 }
 
 }  // namespace

@@ -409,6 +409,27 @@ TEST_F(LdpdTest, WithoutItsButtonItSaysSoAndWaits) {
   service.stop(SIGTERM);
 }
 
+TEST_F(LdpdTest, ASecondServiceOnTheSameFolderIsRefusedAndTouchesNothing) {
+  script("wait 600000");
+  Process first(command({"--status", "console:"}), room_ / "said");
+  ASSERT_TRUE(first.says("ready"));
+  std::ofstream(room_ / "out" / ".building" / "sweep_000009.ldp") << "half a panorama";
+  std::ofstream(room_ / "out" / "a.tmp") << "half a file";
+  for (const char* const once : {"--once", "--mode=hold"}) {
+    const Finished second = Process(command({once}), room_ / "second").wait();
+    EXPECT_EQ(second.status, 1);
+    EXPECT_THAT(second.said, HasSubstr("ldpd: another ldpd works in " + (room_ / "out").string() + ": stop it"));
+  }
+  EXPECT_TRUE(fs::exists(room_ / "out" / ".building" / "sweep_000009.ldp"));
+  EXPECT_TRUE(fs::exists(room_ / "out" / "a.tmp"));
+  EXPECT_EQ(Process(command({"--check-config"}), room_ / "checked").wait().status, 0);
+  first.stop(SIGKILL);
+  Process third(command({"--status", "console:"}), room_ / "said_by_third");
+  EXPECT_TRUE(third.says("ready"));
+  EXPECT_FALSE(fs::exists(room_ / "out" / "a.tmp"));
+  third.stop(SIGTERM);
+}
+
 TEST_F(LdpdTest, APressWhileBuildingIsRefusedAndNothingIsLost) {
   build_program("sleep 0.6");
   script("press wait 1500 release wait 200 press wait 50 release wait 3000 press wait 1500 release");
@@ -954,6 +975,44 @@ TEST_F(LdpdTest, LdpCaptureWritesACaptureFolderAndNothingElse) {
   const Finished again = Process(words, room_ / "said").wait();
   EXPECT_EQ(again.status, 2);
   EXPECT_THAT(again.said, HasSubstr("not empty"));
+}
+
+TEST_F(LdpdTest, LdpCaptureLeavesNothingWhereNoFrameWasKept) {
+  const std::string frames = "folder:" + (room_ / "frames").string() + "?fps=60",
+                    button = "script:" + (room_ / "script").string();
+  struct Attempt {
+    std::string camera, button;
+    int status;
+    const char* said;
+  };
+  const Attempt attempts[] = {
+      {"v4l2:" + (room_ / "nowhere").string(), button, 2, "nowhere"},
+      {"folder:" + (room_ / "nowhere").string(), button, 2, "nowhere"},
+      {frames, "script:" + (room_ / "no_script").string(), 2, "no_script"},
+      {"scene:nope", "script:" + (room_ / "no_script").string(), 2, "no_script"},
+      {frames + "&lost_after=0", button, 1, "unplugged"},
+  };
+  fs::create_directory(room_ / "empty");
+  for (const Attempt& attempt : attempts) {
+    for (const char* const folder : {"new/cap", "empty"}) {
+      fs::remove(room_ / "said");
+      const Finished run = Process({LDP_DEVICE_PROGRAM, "capture", "--camera", attempt.camera, "--button",
+                                    attempt.button, "-o", (room_ / folder).string()},
+                                   room_ / "said")
+                               .wait();
+      EXPECT_EQ(run.status, attempt.status) << run.said;
+      EXPECT_THAT(run.said, HasSubstr(attempt.said));
+      EXPECT_FALSE(fs::exists(room_ / "new")) << attempt.said;
+      EXPECT_TRUE(fs::is_empty(room_ / "empty")) << attempt.said;
+    }
+  }
+  script("wait 600000");
+  Process waiting({LDP_DEVICE_PROGRAM, "capture", "--camera", frames, "--button", button, "--status", "console:", "-o",
+                   (room_ / "new").string()},
+                  room_ / "interrupted");
+  ASSERT_TRUE(waiting.says("ready"));
+  EXPECT_EQ(waiting.stop(SIGINT).status, 130);
+  EXPECT_FALSE(fs::exists(room_ / "new"));
 }
 
 }  // namespace
