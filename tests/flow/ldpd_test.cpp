@@ -416,9 +416,10 @@ TEST_F(LdpdTest, ASecondServiceOnTheSameFolderIsRefusedAndTouchesNothing) {
   std::ofstream(room_ / "out" / ".building" / "sweep_000009.ldp") << "half a panorama";
   std::ofstream(room_ / "out" / "a.tmp") << "half a file";
   for (const char* const once : {"--once", "--mode=hold"}) {
-    const Finished second = Process(command({once}), room_ / "second").wait();
-    EXPECT_EQ(second.status, 1);
-    EXPECT_THAT(second.said, HasSubstr("ldpd: another ldpd works in " + (room_ / "out").string() + ": stop it"));
+    fs::remove(room_ / "second");
+    Process second(command({once}), room_ / "second");
+    ASSERT_TRUE(second.says("ldpd: another ldpd works in " + (room_ / "out").string() + ": stop it", 10));
+    EXPECT_EQ(second.wait().status, 1);
   }
   EXPECT_TRUE(fs::exists(room_ / "out" / ".building" / "sweep_000009.ldp"));
   EXPECT_TRUE(fs::exists(room_ / "out" / "a.tmp"));
