@@ -73,5 +73,17 @@ TEST_F(Scripts, HelpIsPrintedAndUnknownWordsAreRefusedBeforeAnythingIsInstalled)
   EXPECT_EQ(status_of("check -R Solve -V"), 9);
 }
 
+TEST_F(Scripts, AnInstallationUnderAnotherPrefixRunsItsOwnServiceAndHasItsManPages) {
+  const fs::path prefix = room_ / "prefix";
+  if (!fs::exists(fs::path(LDP_PROGRAM).parent_path() / "ldpd")) GTEST_SKIP() << "built without the service";
+  if (std::system("cmake --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no cmake here";
+  const std::string line = "cmake --install " LDP_BUILD " --prefix " + prefix.string() + " >/dev/null";
+  ASSERT_EQ(std::system(line.c_str()), 0);
+  const std::string unit = text_of(prefix / "lib/systemd/system/ldpd.service");
+  EXPECT_THAT(unit, HasSubstr("ExecStart=" + (prefix / "bin/ldpd").string() + "\n"));
+  for (const char* page : {"man1/ldp.1", "man1/ldp-device.1", "man8/ldpd.8"})
+    EXPECT_TRUE(fs::exists(prefix / "share/man" / page)) << page;
+}
+
 }  // namespace
 }  // namespace ldp
