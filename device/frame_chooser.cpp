@@ -21,7 +21,7 @@ constexpr double kMaxTilt = 0.12;    // of the image height
 constexpr double kIdleSpeed = 0.03;  // widths a second
 constexpr int64_t kPatience_ns = 2'000'000'000;
 constexpr double kTurnBack = -0.15;  // widths behind the last kept frame
-constexpr double kLookForFirstFrom_rad = 1.5 * std::numbers::pi;
+constexpr double kLookForFirstFrom_rad = std::numbers::pi;
 constexpr double kSamePlace = 0.6;   // match of two thumbnails from one place, a hand's width apart
 constexpr double kBeside = 0.1;      // widths
 constexpr double kHandShake = 0.02;  // widths
@@ -154,8 +154,8 @@ void FrameChooser::measure_speed(const OfferedFrame& frame) {
   if (speed_ >= kIdleSpeed) slow_since_ns_ = frame.time_ns;
 }
 
-// Two frames in a row show what the first one showed, passing by as everything does. Of the angle only that it is time to
-// look: near things, which pass faster than the camera turns, and a guessed field of view can more than double it.
+// Two frames in a row show what the first one showed, passing by as everything does. Of the angle only that it is time
+// to look: near things, which pass faster than the camera turns, and a guessed field of view can more than double it.
 bool FrameChooser::came_round(const GreyImage& thumbnail) {
   if (guidance().covered_rad < kLookForFirstFrom_rad) return false;
   const Shift now = estimate_shift(*first_, thumbnail);

@@ -141,11 +141,12 @@ class Build {
       std::snprintf(digits, sizeof digits, "%.4g", value);
       return std::string(digits);
     };
-    throw std::invalid_argument((far_given ? "--far " + text(options_.far_depth) : "--near " + text(options_.near_depth)) +
-                                (far_given ? ": is nearer than what is nearest in the photos, at "
-                                           : ": is farther than what is farthest in the photos, at ") +
-                                text(1 / (far_given ? grid_.w_near : grid_.w_far)) +
-                                (far_given ? ": give a larger one, or --near too" : ": give a smaller one, or --far too"));
+    throw std::invalid_argument(
+        (far_given ? "--far " + text(options_.far_depth) : "--near " + text(options_.near_depth)) +
+        (far_given ? ": is nearer than what is nearest in the photos, at "
+                   : ": is farther than what is farthest in the photos, at ") +
+        text(1 / (far_given ? grid_.w_near : grid_.w_far)) +
+        (far_given ? ": give a larger one, or --near too" : ": give a smaller one, or --far too"));
   }
 
   // Whether the grid fits the memory allowed; what does not fit goes to files where it may.
@@ -161,8 +162,8 @@ class Build {
     return options_.memory_bytes == 0 || (scratch_ ? needed_.least : needed_.all) <= allowed;
   }
 
-  // What is nearer than the feature points tell widens the range, and the grid a little; not where memory does not allow
-  // it. (Scratch files cannot take the upright frames any more.)
+  // What is nearer than the feature points tell widens the range, and the grid a little; not where memory does not
+  // allow it. (Scratch files cannot take the upright frames any more.)
   void take_in_what_is_nearer(GridOptions options) {
     const PanoramaGrid laid = grid_;
     const int columns_laid = columns_of_colour_;
@@ -181,7 +182,7 @@ class Build {
     }
   }
 
-  static std::string mebibytes(size_t bytes) { 
+  static std::string mebibytes(size_t bytes) {
     if (bytes < 1 << 20) return std::to_string(bytes) + " bytes";
     return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB";
   }

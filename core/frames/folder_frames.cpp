@@ -52,8 +52,7 @@ std::string what_else(const fs::path& folder) {
   }
   const auto list = [](const std::map<std::string, int>& kinds) {
     std::string text;
-    for (const auto& [ending, count] : kinds)
-      text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + ending;
+    for (const auto& [ending, count] : kinds) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + ending;
     return text;
   };
   const auto common = [](const std::map<std::string, int>& kinds) {
@@ -66,7 +65,8 @@ std::string what_else(const fs::path& folder) {
     return "with: mogrify -format jpg -quality 95 '*" + ending + "'";
   };
   if (!pictures.empty())
-    return "no .jpg or .png photos in it but " + list(pictures) + ": convert them in there " + command(common(pictures));
+    return "no .jpg or .png photos in it but " + list(pictures) + ": convert them in there " +
+           command(common(pictures));
   if (!films.empty())
     return "no .jpg or .png photos in it but " + list(films) +
            ": take two or three pictures a second out of the film in there with: ffmpeg -i FILM" + common(films) +
@@ -85,7 +85,8 @@ std::string text_of(ImageSize size) { return std::to_string(size.width) + "x" + 
 ImageSize one_size_of(const std::vector<fs::path>& files, const fs::path& folder) {
   for (const fs::path& file : files)
     if (::access(file.c_str(), R_OK) != 0)
-      throw std::runtime_error(file.string() + ": cannot be read (" + std::strerror(errno) + "): check its permissions");
+      throw std::runtime_error(file.string() + ": cannot be read (" + std::strerror(errno) +
+                               "): check its permissions");
   const ImageSize first = read_image_size(files.front());
   for (const fs::path& file : files) {
     const ImageSize size = read_image_size(file);

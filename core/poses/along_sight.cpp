@@ -133,7 +133,8 @@ int AlongSight::steps(const Sight& sight, const Others& others, const Distances&
     const double moved = 0.5 * sweep_.pictures[sight.frame].scale.x() * (far.position_px - near.position_px).norm();
     longest = std::max(longest, far.in_front && near.in_front ? moved : kMostSteps * kStep_px);
   }
-  return std::clamp(static_cast<int>(longest / kStep_px) + 1, kLeastSteps, kMostSteps);
+  const double wanted = longest / kStep_px + 1;
+  return wanted < kMostSteps ? std::max(static_cast<int>(wanted), kLeastSteps) : kMostSteps;
 }
 
 // At equal steps of inverse distance, the mean correlation with what the two others show there.

@@ -44,14 +44,15 @@ bool reseat(const MatchedSweep& sweep, Reconstruction& r, int frame) {
   const Pairs pairs = pairs_of(sweep, r, frame);
   Pose& pose = r.bundle.cameras[static_cast<size_t>(frame)];
   Pose best = pose;
-  double most = kLost;
+  const double now = agreeing_share(sweep, r.bundle, pairs);
+  double most = std::max(kLost, now);
   for (const PairMatches* pair : pairs) {
     pose = beside(sweep, r.bundle, *pair, frame);
     const double share = agreeing_share(sweep, r.bundle, pairs);
     if (share > most) most = share, best = pose;
   }
   pose = best;
-  return most > kLost;
+  return most > std::max(kLost, now);
 }
 
 }  // namespace

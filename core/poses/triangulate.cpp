@@ -88,7 +88,8 @@ bool agrees(const KnownFrame& a, const KnownFrame& b, const Match& match, const 
   return point && sighting_error(*point, both[0]) < tolerance && sighting_error(*point, both[1]) < tolerance;
 }
 
-// With y and z of its axes turned round: what a camera of OpenCV's or COLMAP's axes becomes when it is read as OpenGL's.
+// With y and z of its axes turned round: what a camera of OpenCV's or COLMAP's axes becomes when it is read as
+// OpenGL's.
 KnownFrame turned(const KnownFrame& known) {
   KnownFrame other{known.frame, known.camera, {}, known.rays};
   other.camera.pose.world_from_camera *= Eigen::Vector3d(1, -1, -1).asDiagonal();
@@ -140,7 +141,8 @@ void refuse_turned_axes(const Agreement& agreement) {
     return;
   throw std::runtime_error(
       "the photos contradict the cameras given, and agree with them when y and z of their axes are turned round: they "
-      "seem to be OpenCV's or COLMAP's (y down, z forward): a transforms.json has OpenGL's (y up, z back), so negate the "
+      "seem to be OpenCV's or COLMAP's (y down, z forward): a transforms.json has OpenGL's (y up, z back), so negate "
+      "the "
       "second and third column of each transform_matrix");
 }
 
@@ -154,7 +156,8 @@ std::string doubt(const Agreement& agreement) {
 // Cameras at one place, or with everything far away: nothing moves by half a pixel.
 bool only_turned(std::vector<double>& parallax_px, double spread) {
   if (parallax_px.empty()) return spread == 0;
-  const auto high = parallax_px.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(parallax_px.size() - 1));
+  const auto high =
+      parallax_px.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(parallax_px.size() - 1));
   std::nth_element(parallax_px.begin(), high, parallax_px.end());
   return *high < 0.5;
 }

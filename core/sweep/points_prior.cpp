@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <utility>
+#include <numbers>
+#include <tuple>
 
 namespace ldp {
 namespace {
@@ -17,26 +18,28 @@ struct Point {
   double x_px, y_px, label, weight;
 };
 
-// Sorted by column; at the seam of a panorama that wraps, on either side of it.
+// So coarse that no last bit of a sine matters.
+double rounded(double value) { return std::floor(value * 1024 + 0.5) / 1024; }
+
+// Sorted by column; each wherever, a turn on or back, it is within reach of the panorama.
 std::vector<Point> located(const PanoramaGrid& grid, const std::vector<ScenePoint>& points, int labels) {
   std::vector<Point> found;
   const double last = labels - 1, range = grid.w_near - grid.w_far;
   for (const ScenePoint& point : points) {
     const PanoramaPosition at = locate(grid, point.position);
-    const double label = (at.inverse_depth - grid.w_far) / range * last;
+    const double label = rounded((at.inverse_depth - grid.w_far) / range * last), x_px = rounded(at.x_px);
     if (!(at.inverse_depth >= 0 && label >= -1 && label <= labels)) continue;
     const int more_views = std::clamp(static_cast<int>(point.cameras.size()) - 1, 1, kMostViews);
-    const Point here{at.x_px, at.y_px, std::clamp(label, 0.0, last), static_cast<double>(more_views)};
-    found.push_back(here);
-    if (!grid.wraps) continue;
-    for (const int turn : {-1, 1}) {
-      Point again = here;
-      again.x_px += turn * grid.width;
-      if (again.x_px > -kReachPx && again.x_px < grid.width + kReachPx) found.push_back(again);
+    const double turn_px = rounded(2 * std::numbers::pi / grid.theta_pitch);
+    for (const int turn : {-1, 0, 1}) {
+      const double x = x_px + turn * turn_px;
+      if (x > -kReachPx && x < grid.width + kReachPx)
+        found.push_back({x, rounded(at.y_px), std::clamp(label, 0.0, last), static_cast<double>(more_views)});
     }
   }
-  std::sort(found.begin(), found.end(),
-            [](const Point& a, const Point& b) { return std::pair(a.x_px, a.y_px) < std::pair(b.x_px, b.y_px); });
+  std::sort(found.begin(), found.end(), [](const Point& a, const Point& b) {
+    return std::tie(a.x_px, a.y_px, a.label, a.weight) < std::tie(b.x_px, b.y_px, b.label, b.weight);
+  });
   return found;
 }
 
@@ -48,7 +51,8 @@ PointsPrior::Told sum_up(std::vector<Vote>& votes) {
   double total = 0;
   for (const Vote& vote : votes) total += vote.weight;
   if (!(total > 0)) return {};
-  std::sort(votes.begin(), votes.end(), [](const Vote& a, const Vote& b) { return a.label < b.label; });
+  std::sort(votes.begin(), votes.end(),
+            [](const Vote& a, const Vote& b) { return std::tie(a.label, a.weight) < std::tie(b.label, b.weight); });
   double median = 0, below = 0;
   for (const Vote& vote : votes) {
     median = vote.label;
@@ -58,9 +62,9 @@ PointsPrior::Told sum_up(std::vector<Vote>& votes) {
   double spread = 0;
   for (const Vote& vote : votes) spread += vote.weight * std::abs(vote.label - median);
   spread /= total * kSpread;
-  const auto rounded = [](double value) { return static_cast<int16_t>(std::floor(value + 0.5)); };
-  return {rounded(median * PointsPrior::kLabelSteps),
-          rounded(std::min(1.0, total) / (1 + spread * spread) * PointsPrior::kFull)};
+  const auto whole = [](double value) { return static_cast<int16_t>(std::floor(value + 0.5)); };
+  return {whole(median * PointsPrior::kLabelSteps),
+          whole(std::min(1.0, total) / (1 + spread * spread) * PointsPrior::kFull)};
 }
 
 }  // namespace

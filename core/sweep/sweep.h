@@ -1,8 +1,8 @@
 // The cylinder sweep: matching cost phi and median grey mu of every (theta, v, label) (paper 3.2), in fixed point.
 //
 // Takes upright frames, the grid, and optionally what hides voxels from cameras and feature points that tell of plain
-// parts (points_prior.h); gives a CostSource that computes any window when asked. Integer from samples to costs: same
-// bytes on every machine. Does not choose labels.
+// parts (points_prior.h); gives a CostSource that computes any window when asked. Integer from samples to costs, and
+// coarsely rounded from points: same bytes on every machine. Does not choose labels.
 #pragma once
 
 #include <memory>

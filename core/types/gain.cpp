@@ -25,44 +25,49 @@ double darkened(double level, double gain) {
   return level * (gain + (1 - gain) * t * t);
 }
 
-double evened(double level, double gain) { return gain >= 1 ? brightened(level, gain) : darkened(level, gain); }
-
-// The level that becomes this one: curves rise, from 0 to white.
-double uneven(double level, double gain) {
-  double low = 0, high = kWhite;
-  for (int i = 0; i < 40; ++i) {
-    const double middle = (low + high) / 2;
-    (evened(middle, gain) < level ? low : high) = middle;
-  }
-  return (low + high) / 2;
-}
-
 }  // namespace
 
-ExposureGain::ExposureGain(const Gain& gain) : ExposureGain(gain, evened) {}
-
-ExposureGain ExposureGain::inverse(const Gain& gain) { return {gain, uneven}; }
-
-ExposureGain::ExposureGain(const Gain& gain, Curve curve) {
+ExposureGain::ExposureGain(const Gain& gain) {
   for (size_t c = 0; c < 3; ++c) {
     const auto g = static_cast<double>(gain[c]);
     for (size_t i = 0; i <= 256; ++i) {
       const double level = std::clamp(static_cast<double>(i), 1.0, kWhite);
-      factor_q12_[c][i] = static_cast<int>(std::floor(curve(level, g) / level * kOne + 0.5));
+      const double to = g >= 1 ? brightened(level, g) : darkened(level, g);
+      factor_q12_[c][i] = static_cast<int>(std::floor(to / level * kOne + 0.5));
     }
   }
 }
 
+int ExposureGain::factor(size_t channel, int level, int units) const {
+  const auto& table = factor_q12_[channel];
+  const auto whole = static_cast<size_t>(level / units);
+  return table[whole] + (table[whole + 1] - table[whole]) * (level % units) / units;
+}
+
 std::array<int, 3> ExposureGain::operator()(const std::array<int, 3>& colour, int units) const {
   const int largest = std::max({colour[0], colour[1], colour[2]});
-  const auto level = static_cast<size_t>(largest / units);
-  const int above = largest % units;
   std::array<int, 3> result{};
-  for (size_t c = 0; c < 3; ++c) {
-    const int factor = factor_q12_[c][level] + (factor_q12_[c][level + 1] - factor_q12_[c][level]) * above / units;
-    result[c] = static_cast<int>(int64_t{colour[c]} * factor / kOne);
-  }
+  for (size_t c = 0; c < 3; ++c) result[c] = static_cast<int>(int64_t{colour[c]} * factor(c, largest, units) / kOne);
   return result;
+}
+
+std::array<int, 3> ExposureGain::undone(const std::array<int, 3>& colour, int units) const {
+  const auto before = [&](int largest) {
+    std::array<int, 3> result{};
+    for (size_t c = 0; c < 3; ++c)
+      result[c] = static_cast<int>(int64_t{colour[c]} * kOne / std::max(1, factor(c, largest, units)));
+    return result;
+  };
+  int low = 0, high = static_cast<int>(kWhite) * units;  // of the largest channel
+  while (low < high) {
+    const int middle = (low + high) / 2;
+    const auto from = before(middle);
+    if (std::max({from[0], from[1], from[2]}) > middle)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return before(low);
 }
 
 }  // namespace ldp

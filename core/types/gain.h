@@ -11,6 +11,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 namespace ldp {
 
@@ -19,14 +20,16 @@ using Gain = std::array<float, 3>;
 class ExposureGain {
  public:
   explicit ExposureGain(const Gain& gain);
-  static ExposureGain inverse(const Gain& gain);  // from the exposure of all back to the photograph's
 
   // Of a colour in 0 .. 255 * units; a channel other than the largest may come to lie above.
   std::array<int, 3> operator()(const std::array<int, 3>& colour, int units) const;
 
+  // The colour that becomes this one.
+  std::array<int, 3> undone(const std::array<int, 3>& colour, int units) const;
+
  private:
-  using Curve = double (*)(double level, double gain);
-  ExposureGain(const Gain& gain, Curve curve);
+  // In 1/4096, at a level of the largest channel.
+  int factor(size_t channel, int level, int units) const;
 
   std::array<std::array<int, 257>, 3> factor_q12_{};  // by level of the largest channel; one more to interpolate
 };

@@ -42,8 +42,8 @@ class NewFolder {
   NewFolder& operator=(const NewFolder&) = delete;
   ~NewFolder() {
     std::error_code error;
-    for (const auto& entry : fs::directory_iterator(folder_, error)) {
-      if (entry.path().extension() == ".jpg") return;
+    for (fs::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
+      if (entry->path().extension() == ".jpg") return;
     }
     fs::remove(folder_ / "capture.json", error);
     for (const fs::path& made : made_) fs::remove(made, error);  // innermost first; none that holds anything else

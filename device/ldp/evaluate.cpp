@@ -89,11 +89,11 @@ Gain expected_gain(const Split& split, size_t test, const std::map<std::string, 
 
 // A picture about as a photo of that gain would show it: of bright colours, which gains bend (gain.h), near enough.
 void expose(RgbImage& picture, const Gain& gain) {
-  const ExposureGain exposed = ExposureGain::inverse(gain);
+  const ExposureGain evened(gain);
   constexpr int kUnits = 16;
   const auto stored = [](int channel) { return static_cast<uint8_t>(std::min(255, (channel + kUnits / 2) / kUnits)); };
   for (Rgb& pixel : picture.samples) {
-    const auto c = exposed({pixel.r * kUnits, pixel.g * kUnits, pixel.b * kUnits}, kUnits);
+    const auto c = evened.undone({pixel.r * kUnits, pixel.g * kUnits, pixel.b * kUnits}, kUnits);
     pixel = {stored(c[0]), stored(c[1]), stored(c[2])};
   }
 }

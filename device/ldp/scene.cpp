@@ -67,7 +67,9 @@ void add_scene(Program& program) {
       ->check(number_within(5.0, 150.0))
       ->capture_default_str();
   app.add_option("--size", command->size, "Size of the photos, WIDTHxHEIGHT")->capture_default_str();
-  app.add_option("--k1", path.k1, "Radial distortion of the lens")->check(number_within(-0.3, 0.3))->capture_default_str();
+  app.add_option("--k1", path.k1, "Radial distortion of the lens")
+      ->check(number_within(-0.3, 0.3))
+      ->capture_default_str();
   app.add_option("--jitter-position", path.position_jitter, "Unsteadiness of the hand, metres")
       ->check(number_within(0.0, 0.2))
       ->capture_default_str();

@@ -69,13 +69,13 @@ TEST(PointsPrior, KnowsNothingWithoutPointsOrDepthsAndLeavesOutWhatLiesOutside) 
   EXPECT_EQ(PointsPrior(grid, {inside}, 16).at(100, 36).weight, 0);
 }
 
-TEST(PointsPrior, ReachesAcrossTheSeamOfAPanoramaThatWraps) {
+TEST(PointsPrior, ReachesInFromBeyondTheBordersAndAcrossTheSeam) {
   PanoramaGrid grid = wide_grid();
+  EXPECT_EQ(PointsPrior(grid, {point_at(grid, -20, 36, 6)}, 16).at(4, 36).weight, 64);
+  EXPECT_EQ(PointsPrior(grid, {point_at(grid, 276, 36, 6)}, 16).at(252, 36).weight, 64);
   grid.theta_pitch = 2 * std::acos(-1.0) / grid.width;
-  const std::vector<ScenePoint> points = {point_at(grid, 4, 36, 6)};
-  EXPECT_EQ(PointsPrior(grid, points, 16).at(252, 36).weight, 0);
   grid.wraps = true;
-  const PointsPrior prior(grid, points, 16);
+  const PointsPrior prior(grid, {point_at(grid, 4, 36, 6)}, 16);
   EXPECT_GT(prior.at(252, 36).weight, 150);
   EXPECT_EQ(prior.at(256 + 4, 36).weight, prior.at(4, 36).weight);
 }

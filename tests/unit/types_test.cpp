@@ -222,13 +222,18 @@ TEST(ExposureGain, RisesWithoutJumpsToWhite) {
   }
 }
 
-TEST(ExposureGain, InverseUndoesIt) {
+TEST(ExposureGain, IsUndone) {
   constexpr int kUnits = 16;
-  for (const float g : {0.5F, 0.9F, 1.0F, 1.2F, 2.0F}) {
-    const ExposureGain gain({g, g, g}), inverse = ExposureGain::inverse({g, g, g});
-    for (int v = 8 * kUnits; v <= 255 * kUnits; v += 3) {
-      ASSERT_NEAR(inverse(gain({v, v, v}, kUnits), kUnits)[0], v, 2 * kUnits) << g << " " << v;
-    }
+  for (const Gain& g :
+       std::vector<Gain>{{0.5F, 0.5F, 0.5F}, {2, 2, 2}, {0.8F, 0.75F, 0.7F}, {1.2F, 1.1F, 1.15F}, {1.05F, 0.97F, 1}}) {
+    const ExposureGain gain(g);
+    for (int red = 8; red <= 255; red += 13)
+      for (int green = 8; green <= 255; green += 13) {
+        const std::array colour{red * kUnits, green * kUnits, 100 * kUnits};
+        const auto back = gain.undone(gain(colour, kUnits), kUnits);
+        for (size_t c = 0; c < 3; ++c)
+          ASSERT_NEAR(back[c], colour[c], 2 * kUnits) << g[0] << " " << red << " " << green;
+      }
   }
 }
 
