@@ -6,6 +6,7 @@
 #include "along_sight.h"
 #include "corners.h"
 #include "follow.h"
+#include "loose.h"
 #include "occupied.h"
 #include "rounds.h"
 
@@ -58,10 +59,7 @@ Guesses guess(const MatchedSweep& sweep, const Reconstruction& r, const AlongSig
 // One list of all frames, in their order.
 Guesses guesses(const MatchedSweep& sweep, const Reconstruction& r, const Job& job) {
   const AlongSight along(sweep, r.tracks, r.bundle);
-  std::vector<int> between(r.bundle.cameras.size(), 0);
-  for (const Track& track : r.tracks) {
-    for (size_t i = 1; i + 1 < track.size(); ++i) ++between[static_cast<size_t>(track[i].frame)];
-  }
+  const std::vector<int> between = seen_between(r);
   std::vector<Guesses> of_frames(between.size());
   parallel_for(job, static_cast<int>(between.size()), [&](int frame) {
     const size_t i = static_cast<size_t>(frame);

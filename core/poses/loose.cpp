@@ -11,12 +11,17 @@ constexpr double kLoose = 2.75 * std::numbers::pi / 180;  // of the swept angle,
 
 }  // namespace
 
-bool loosely_held(const Reconstruction& r) {
-  if (r.motion != Motion::arc || r.closed) return false;
-  std::vector<int> between(r.dropped.size(), 0);
+std::vector<int> seen_between(const Reconstruction& r) {
+  std::vector<int> between(r.bundle.cameras.size(), 0);
   for (const Track& track : r.tracks) {
     for (size_t i = 1; i + 1 < track.size(); ++i) ++between[static_cast<size_t>(track[i].frame)];
   }
+  return between;
+}
+
+bool loosely_held(const Reconstruction& r) {
+  if (r.motion != Motion::arc || r.closed) return false;
+  const std::vector<int> between = seen_between(r);
   std::vector<size_t> posed;
   for (size_t i = 0; i < between.size(); ++i) {
     if (r.dropped[i].empty()) posed.push_back(i);

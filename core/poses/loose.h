@@ -1,9 +1,14 @@
 // Whether points hold a sweep's swept angle only loosely: then it is worth more time than others are.
 #pragma once
 
+#include <vector>
+
 #include "reconstruct.h"
 
 namespace ldp {
+
+// Per frame, the tracks that are seen before, in and after it.
+std::vector<int> seen_between(const Reconstruction& r);
 
 // How two steps next to each other compare is told by what is seen before, in and after the photo between them: by n
 // such points to about a step's share of 1 / sqrt(n). These errors add up along an open arc, as roots of squares; where

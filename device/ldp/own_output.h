@@ -1,5 +1,6 @@
-// What may be written over: a file that is there already is replaced only by another of its own kind, told by what is in
-// it. A slip of the hand must cost no photo of a sweep, record of a capture or file of another program.
+// What may be written over: a file that is there already is replaced only by another of its own kind, told by what is
+// in it. A slip of the hand must cost no photo of a sweep or record of a capture. (Cameras of other programs are of the
+// kind of ours.)
 #pragma once
 
 #include <filesystem>
