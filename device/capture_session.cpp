@@ -36,10 +36,6 @@ std::string seconds_text(double seconds) {
   return text;
 }
 
-std::filesystem::path program_beside_us() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "ldp";
-}
-
 // What the pictures of a sweep took, and the C library would keep for the next one.
 void give_memory_back() {
 #ifdef __GLIBC__
@@ -93,8 +89,8 @@ CaptureSession::CaptureSession(Config config, Run run, std::stop_token stop)
   open_button_again(monotonic_now_ns());
 }
 
-// A scene is rendered when it is opened: a mistake in the button is told before. The button that is used comes after, for
-// a script's time begins with it.
+// A scene is rendered when it is opened: a mistake in the button is told before. The button that is used comes after,
+// for a script's time begins with it.
 void CaptureSession::open_devices() {
   try {
     open_button(config_.button).reset();
@@ -314,7 +310,7 @@ std::string CaptureSession::why_so_few() const {
 BuildCommand CaptureSession::build_command(bool follows) const {
   BuildCommand command;
   command.is_told = follows;
-  command.program = config_.program.empty() ? program_beside_us() : std::filesystem::path(config_.program);
+  command.program = program_of(config_);
   command.niceness = config_.niceness;
   command.memory_limit_bytes = uint64_t{static_cast<unsigned>(config_.memory_limit_mib)} << 20;
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());

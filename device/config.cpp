@@ -1,6 +1,8 @@
 #include "config.h"
 
 #include <toml++/toml.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -8,22 +10,17 @@
 #include <map>
 #include <sstream>
 
+#include "button.h"
+#include "camera.h"
+#include "status.h"
 #include "url.h"
 
 namespace ldp {
 namespace {
 
-constexpr const char* kCameras = "libcamera v4l2 folder scene";
-constexpr const char* kButtons = "gpiod script keyboard";
-constexpr const char* kStatuses = "lcm led console";
-
-bool is_among(const std::string& word, const char* words) {
-  std::istringstream in(words);
-  for (std::string candidate; in >> candidate;) {
-    if (candidate == word) return true;
-  }
-  return false;
-}
+// Throws what is wrong with the text of a value.
+using Check = void (*)(const std::string& text);
+using Complain = std::function<void(const toml::node& where, const std::string& what)>;
 
 bool can_be_held(const std::string& button) { return !button.starts_with("keyboard:"); }
 
@@ -36,7 +33,7 @@ std::string wrong_mode(const Config& config) {
 struct Key {
   std::string name;  // "sweep.overlap"
   std::string comment;
-  std::function<std::string(const toml::node&, Config&)> read;  // empty = good, else what is expected
+  std::function<void(const toml::node&, Config&, const Complain&)> read;
   std::function<std::string(const Config&)> write;
 };
 
@@ -58,42 +55,58 @@ std::string quoted(const std::vector<std::string>& texts) {
   return "[" + list + "]";
 }
 
-std::string wrong_url(const std::string& text, const char* schemes) {
+void check_output(const std::string& folder) {
+  std::error_code error;
+  if (folder.empty()) throw std::runtime_error("is empty: give the folder of the captures and panoramas");
+  if (std::filesystem::exists(folder, error) && !std::filesystem::is_directory(folder, error))
+    throw std::runtime_error("'" + folder + "' is no folder: give one, or remove that");
+}
+
+void check_program(const std::string& program) {
+  std::error_code error;
+  if (program.empty()) return;
+  if (!std::filesystem::exists(program, error))
+    throw std::runtime_error("there is no '" + program +
+                             "': give the whole path of ldp, or nothing for the one beside ldpd");
+  if (std::filesystem::is_directory(program, error) || ::access(program.c_str(), X_OK) != 0)
+    throw std::runtime_error("'" + program + "' cannot be run: give the whole path of ldp, or make it executable");
+}
+
+// Empty = good.
+std::string complaint_of(Check check, const std::string& text) {
   try {
-    const Url url(text);
-    if (is_among(url.scheme(), schemes)) return {};
-    return "unknown kind '" + url.scheme() + ":'; known: " + schemes;
+    if (check != nullptr) check(text);
+    return {};
   } catch (const std::exception& error) {
     return error.what();
   }
 }
 
-Key text_key(std::string name, std::string comment, std::string Config::*field, const char* schemes = nullptr) {
+void read_text(const toml::node& node, Check check, const Complain& complain,
+               const std::function<void(std::string)>& keep) {
+  const auto value = node.value_exact<std::string>();
+  if (!value) return complain(node, "expected a text in quotes");
+  const std::string wrong = complaint_of(check, *value);
+  if (!wrong.empty()) complain(node, wrong);
+  keep(*value);
+}
+
+Key text_key(std::string name, std::string comment, std::string Config::*field, Check check = nullptr) {
   return {std::move(name), std::move(comment),
-          [=](const toml::node& node, Config& config) -> std::string {
-            const auto value = node.value_exact<std::string>();
-            if (!value) return "expected a text in quotes";
-            config.*field = *value;
-            return schemes == nullptr ? std::string() : wrong_url(*value, schemes);
+          [=](const toml::node& node, Config& config, const Complain& complain) {
+            read_text(node, check, complain, [&](std::string text) { config.*field = std::move(text); });
           },
           [=](const Config& config) { return quoted(config.*field); }};
 }
 
-Key list_key(std::string name, std::string comment, std::vector<std::string> Config::*field,
-             const char* schemes = nullptr) {
+Key list_key(std::string name, std::string comment, std::vector<std::string> Config::*field, Check check = nullptr) {
   return {std::move(name), std::move(comment),
-          [=](const toml::node& node, Config& config) -> std::string {
+          [=](const toml::node& node, Config& config, const Complain& complain) {
             const toml::array* const list = node.as_array();
-            if (list == nullptr) return "expected a list of texts, as in [\"...\", \"...\"]";
+            if (list == nullptr) return complain(node, "expected a list of texts, as in [\"...\", \"...\"]");
             (config.*field).clear();
-            for (const toml::node& entry : *list) {
-              const auto value = entry.value_exact<std::string>();
-              if (!value) return "expected only texts in quotes in the list";
-              const std::string wrong = schemes == nullptr ? std::string() : wrong_url(*value, schemes);
-              if (!wrong.empty()) return wrong;
-              (config.*field).push_back(*value);
-            }
-            return {};
+            for (const toml::node& entry : *list)
+              read_text(entry, check, complain, [&](std::string text) { (config.*field).push_back(std::move(text)); });
           },
           [=](const Config& config) { return quoted(config.*field); }};
 }
@@ -102,25 +115,23 @@ template <typename Number>
 Key number_key(std::string name, std::string comment, Number Config::*field, NumberRange range) {
   constexpr bool kWhole = std::is_integral_v<Number>;
   return {std::move(name), std::move(comment),
-          [=](const toml::node& node, Config& config) -> std::string {
+          [=](const toml::node& node, Config& config, const Complain& complain) {
             const auto value = kWhole && !node.is_integer() ? std::nullopt : node.value<double>();
             if (!value || !std::isfinite(*value) || *value < range.low || *value > range.high) {
-              return std::string("expected a ") + (kWhole ? "whole " : "") + "number from " + plain(range.low) +
-                     " to " + plain(range.high);
+              return complain(node, std::string("expected a ") + (kWhole ? "whole " : "") + "number from " +
+                                        plain(range.low) + " to " + plain(range.high));
             }
             config.*field = static_cast<Number>(*value);
-            return {};
           },
           [=](const Config& config) { return plain(static_cast<double>(config.*field)); }};
 }
 
 Key flag_key(std::string name, std::string comment, bool Config::*field) {
   return {std::move(name), std::move(comment),
-          [=](const toml::node& node, Config& config) -> std::string {
+          [=](const toml::node& node, Config& config, const Complain& complain) {
             const auto value = node.value_exact<bool>();
-            if (!value) return "expected true or false";
+            if (!value) return complain(node, "expected true or false");
             config.*field = *value;
-            return {};
           },
           [=](const Config& config) { return std::string(config.*field ? "true" : "false"); }};
 }
@@ -129,11 +140,10 @@ Key mode_key() {
   return {"sweep.mode",
           "hold: the sweep lasts as long as the button is held; toggle: press to begin, press to end, 3 s cancel; "
           "left out: hold, with keyboard: toggle",
-          [](const toml::node& node, Config& config) -> std::string {
+          [](const toml::node& node, Config& config, const Complain& complain) {
             const auto value = node.value_exact<std::string>();
-            if (value != "toggle" && value != "hold") return "expected \"toggle\" or \"hold\"";
+            if (value != "toggle" && value != "hold") return complain(node, "expected \"toggle\" or \"hold\"");
             config.mode = value == "hold" ? ButtonMode::hold : ButtonMode::toggle;
-            return {};
           },
           [](const Config& config) {
             return quoted(std::string(mode_of(config) == ButtonMode::hold ? "hold" : "toggle"));
@@ -144,14 +154,14 @@ Key mode_key() {
 const std::vector<Key>& all_keys() {
   static const std::vector<Key> keys = {
       text_key("camera", "libcamera:0, v4l2:/dev/video0?width=1280&height=720&fps=30, folder:DIR, scene:NAME",
-               &Config::camera, kCameras),
+               &Config::camera, check_camera),
       text_key("button",
                "gpiod:name=LINE or gpiod:gpiochip0/17 with ?active_low=yes&bias=pull-up&debounce_ms=30, "
                "script:FILE, keyboard:",
-               &Config::button, kButtons),
+               &Config::button, check_button),
       list_key("status", "any of lcm:udpm://239.255.76.67:7667?ttl=0, led:name=LINE, console:", &Config::status,
-               kStatuses),
-      text_key("output", "folder of the captures and panoramas", &Config::output),
+               check_status),
+      text_key("output", "folder of the captures and panoramas", &Config::output, check_output),
       text_key("device_name", "as written into captures", &Config::device_name),
       mode_key(),
       number_key("sweep.overlap", "of neighbouring frames", &Config::overlap, {0.3, 0.95}),
@@ -165,7 +175,7 @@ const std::vector<Key>& all_keys() {
                  {0.2, 60}),
       number_key("sweep.reserve_mib", "of the disk that are never filled", &Config::reserve_mib, {0, 1e6}),
       flag_key("build.follow", "whether poses are found while the arm still moves", &Config::follow),
-      text_key("build.program", "empty: the ldp beside ldpd", &Config::program),
+      text_key("build.program", "empty: the ldp beside ldpd", &Config::program, check_program),
       number_key("build.threads", "0 = all cores", &Config::threads, {0, 256}),
       number_key("build.memory_limit_mib", "of the build's process; 0 = none", &Config::memory_limit_mib, {0, 1e6}),
       number_key("build.niceness", "0 = as important as everything else, 19 = least", &Config::niceness, {0, 19}),
@@ -184,8 +194,13 @@ class Reader {
 
   void read_all(const toml::table& table) {
     read(table, "");
-    const std::string wrong = wrong_mode(checked_.config);
-    if (!wrong.empty()) checked_.mistakes.push_back({mode_line_, "sweep.mode: " + wrong});
+    const Config& config = checked_.config;
+    const std::string wrong = wrong_mode(config);
+    if (!wrong.empty()) checked_.mistakes.push_back({lines_["sweep.mode"], "sweep.mode: " + wrong});
+    if (config.max_frames < config.min_frames) {
+      checked_.mistakes.push_back({std::max(lines_["sweep.max_frames"], lines_["sweep.min_frames"]),
+                                   "sweep.max_frames is smaller than sweep.min_frames"});
+    }
   }
 
  private:
@@ -202,9 +217,10 @@ class Reader {
         add(name.source(), "unknown " + std::string(section != nullptr ? "section" : "key") + " '" + full + "'");
         continue;
       }
-      if (full == "sweep.mode") mode_line_ = line_of(node.source());
-      const std::string wrong = key->second->read(node, checked_.config);
-      if (!wrong.empty()) add(node.source(), full + ": " + wrong);
+      lines_[full] = line_of(node.source());
+      key->second->read(node, checked_.config, [&](const toml::node& where, const std::string& what) {
+        add(where.source(), full + ": " + what);
+      });
     }
   }
 
@@ -214,7 +230,7 @@ class Reader {
 
   CheckedConfig& checked_;
   std::map<std::string, const Key*> keys_;
-  int mode_line_ = 0;
+  std::map<std::string, int> lines_;  // of the keys that are there
 };
 
 }  // namespace
@@ -223,17 +239,21 @@ ButtonMode mode_of(const Config& config) {
   return config.mode.value_or(can_be_held(config.button) ? ButtonMode::hold : ButtonMode::toggle);
 }
 
-std::vector<ConfigMistake> wrong_devices(const Config& config) {
+std::filesystem::path program_of(const Config& config) {
+  if (!config.program.empty()) return config.program;
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "ldp";
+}
+
+std::vector<ConfigMistake> wrong_values(const Config& config) {
   std::vector<ConfigMistake> mistakes;
-  const auto check = [&](const char* what, const std::string& url, const char* schemes) {
-    const std::string wrong = wrong_url(url, schemes);
-    if (!wrong.empty()) mistakes.push_back({0, std::string(what) + ": " + wrong});
+  const auto add = [&](const std::string& name, const std::string& wrong) {
+    if (!wrong.empty()) mistakes.push_back({0, name + ": " + wrong});
   };
-  check("camera", config.camera, kCameras);
-  check("button", config.button, kButtons);
-  const std::string wrong = wrong_mode(config);
-  if (!wrong.empty()) mistakes.push_back({0, "mode: " + wrong});
-  for (const std::string& status : config.status) check("status", status, kStatuses);
+  add("camera", complaint_of(check_camera, config.camera));
+  add("button", complaint_of(check_button, config.button));
+  add("mode", wrong_mode(config));
+  for (const std::string& status : config.status) add("status", complaint_of(check_status, status));
+  add("output", complaint_of(check_output, config.output));
   return mistakes;
 }
 
@@ -244,10 +264,6 @@ CheckedConfig parse_config(const std::string& toml_text) {
     Reader(checked).read_all(table);
   } catch (const toml::parse_error& error) {
     checked.mistakes.push_back({line_of(error.source()), std::string(error.description())});
-  }
-  const Config& config = checked.config;
-  if (config.max_frames < config.min_frames) {
-    checked.mistakes.push_back({0, "sweep.max_frames is smaller than sweep.min_frames"});
   }
   std::stable_sort(checked.mistakes.begin(), checked.mistakes.end(),
                    [](const ConfigMistake& a, const ConfigMistake& b) { return a.line < b.line; });

@@ -39,7 +39,7 @@ struct Config {
 };
 
 struct ConfigMistake {
-  int line = 0;  // 0: none, the file cannot be read
+  int line = 0;  // 0: none
   std::string text;
 };
 
@@ -51,8 +51,12 @@ struct CheckedConfig {
 // The mode that was given, otherwise hold where the button tells when it is let go, and toggle where it does not.
 ButtonMode mode_of(const Config& config);
 
-// The kinds of camera, button and status, wherever they were named, and a mode that the button cannot do; line 0.
-std::vector<ConfigMistake> wrong_devices(const Config& config);
+// The program that was given, otherwise ldp beside this one.
+std::filesystem::path program_of(const Config& config);
+
+// What the command line, too, can say wrongly: the URLs of the devices, a mode that the button cannot do, the output
+// folder; line 0. Devices need not be there, and no network be up.
+std::vector<ConfigMistake> wrong_values(const Config& config);
 
 CheckedConfig parse_config(const std::string& toml_text);
 CheckedConfig read_config(const std::filesystem::path& file);

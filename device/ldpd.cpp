@@ -2,7 +2,10 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "capture_session.h"
 #include "config.h"
@@ -15,7 +18,8 @@ constexpr int kBadArguments = 2;
 constexpr const char* kDefaultConfig = "/etc/ldpd.toml";
 
 struct Arguments {
-  std::string config_file, camera, button, mode, output;
+  std::optional<std::string> config_file, camera, button, output;
+  std::string mode;
   std::vector<std::string> status;
   bool once = false, check_config = false, print_config = false;
 };
@@ -44,22 +48,22 @@ void declare(CLI::App& app, Arguments& arguments) {
 
 // Mistakes in it go to standard error, one a line. False if there are any.
 bool read_configuration(const Arguments& arguments, ldp::Config& config) {
-  std::string file = arguments.config_file;
-  if (file.empty() && std::filesystem::exists(kDefaultConfig)) file = kDefaultConfig;
+  std::optional<std::string> file = arguments.config_file;
+  if (!file && std::filesystem::exists(kDefaultConfig)) file = kDefaultConfig;
   bool good = true;
-  if (!file.empty()) {
-    const ldp::CheckedConfig checked = ldp::read_config(file);
+  if (file) {
+    const ldp::CheckedConfig checked = ldp::read_config(*file);
     for (const ldp::ConfigMistake& mistake : checked.mistakes) {
       const std::string line = mistake.line > 0 ? ":" + std::to_string(mistake.line) : "";
-      std::fprintf(stderr, "%s%s: %s\n", file.c_str(), line.c_str(), mistake.text.c_str());
+      std::fprintf(stderr, "%s%s: %s\n", file->c_str(), line.c_str(), mistake.text.c_str());
     }
     config = checked.config;
     good = checked.mistakes.empty();
   }
-  if (!arguments.camera.empty()) config.camera = arguments.camera;
-  if (!arguments.button.empty()) config.button = arguments.button;
+  config.camera = arguments.camera.value_or(config.camera);
+  config.button = arguments.button.value_or(config.button);
+  config.output = arguments.output.value_or(config.output);
   if (!arguments.mode.empty()) config.mode = arguments.mode == "hold" ? ldp::ButtonMode::hold : ldp::ButtonMode::toggle;
-  if (!arguments.output.empty()) config.output = arguments.output;
   if (!arguments.status.empty()) config.status = arguments.status;
   return good;
 }
@@ -67,9 +71,15 @@ bool read_configuration(const Arguments& arguments, ldp::Config& config) {
 int serve(const Arguments& arguments) {
   ldp::Config config;
   if (!read_configuration(arguments, config)) return kBadConfiguration;
-  const std::vector<ldp::ConfigMistake> wrong = ldp::wrong_devices(config);
+  const std::vector<ldp::ConfigMistake> wrong = ldp::wrong_values(config);
   for (const ldp::ConfigMistake& mistake : wrong) std::fprintf(stderr, "ldpd: --%s\n", mistake.text.c_str());
   if (!wrong.empty()) return kBadArguments;
+  if (const auto program = ldp::program_of(config); !std::filesystem::exists(program)) {
+    std::fprintf(stderr,
+                 "ldpd: build.program: there is no %s: install ldp there, or name its path in the configuration\n",
+                 program.c_str());
+    return kBadConfiguration;
+  }
   if (arguments.print_config) std::fputs(ldp::config_text(config).c_str(), stdout);
   if (arguments.print_config || arguments.check_config) return 0;
   ldp::CaptureSession session(config, arguments.once ? ldp::Run::once : ldp::Run::service);

@@ -25,6 +25,9 @@ class Button {
   virtual bool pressed() const { return false; }  // held down right now, as far as events were read
 };
 
+// Throws std::runtime_error, as opening would, for what is wrong with the URL's text alone.
+void check_button(const std::string& url);
+
 // Opens or throws std::runtime_error: what was tried, why it failed, what to do.
 std::unique_ptr<Button> open_button(const std::string& url);
 

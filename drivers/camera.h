@@ -74,6 +74,9 @@ class CameraDevice {
   virtual bool lock_exposure(bool locked) = 0;
 };
 
+// Throws std::runtime_error, as opening would, for what is wrong with the URL's text alone.
+void check_camera(const std::string& url);
+
 // Opens or throws std::runtime_error: what was tried, why it failed, what to do.
 std::unique_ptr<CameraDevice> open_camera(const std::string& url);
 

@@ -52,8 +52,10 @@ class ConsoleStatus final : public StatusChannel {
 
 }  // namespace
 
+void check_console_status(const Url& url) { url.allow_only(""); }
+
 std::unique_ptr<StatusChannel> open_console_status(const Url& url) {
-  url.allow_only("");
+  check_console_status(url);
   return std::make_unique<ConsoleStatus>();
 }
 

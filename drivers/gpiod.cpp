@@ -29,7 +29,10 @@ struct LineSpec {
   bool output = false;
   bool active_low = false;
   Bias bias = Bias::as_is;
+  int64_t debounce_ns = 0;
 };
+
+constexpr double kDebounce_ms = 30;
 
 LineSpec spec_from(const Url& url) {
   LineSpec spec;
@@ -59,6 +62,20 @@ LineSpec spec_from(const Url& url) {
   return spec;
 }
 
+LineSpec button_spec_from(const Url& url) {
+  url.allow_only("active_low bias debounce_ms");
+  LineSpec spec = spec_from(url);
+  spec.debounce_ns = static_cast<int64_t>(url.number("debounce_ms", kDebounce_ms, {0, 1000}) * 1e6);
+  return spec;
+}
+
+LineSpec led_spec_from(const Url& url) {
+  url.allow_only("active_low bias");
+  LineSpec spec = spec_from(url);
+  spec.output = true;
+  return spec;
+}
+
 std::string device_of(const std::string& chip) { return chip.starts_with("/") ? chip : "/dev/" + chip; }
 
 [[noreturn]] void refuse(const LineSpec& spec, const std::string& why, int error = errno) {
@@ -79,7 +96,7 @@ struct Free {
 class GpioLine {
  public:
   // Version 1 cannot ask the kernel to debounce.
-  explicit GpioLine(const LineSpec& spec, int64_t /*debounce_ns*/ = 0) {
+  explicit GpioLine(const LineSpec& spec) {
     line_ = spec.name.empty() ? by_offset(spec) : by_name(spec);
     chip_.reset(gpiod_line_get_chip(line_));
     const int flags = flags_of(spec);
@@ -141,7 +158,7 @@ class GpioLine {
 class GpioLine {
  public:
   // Asks the kernel to debounce.
-  explicit GpioLine(const LineSpec& spec, int64_t debounce_ns = 0) {
+  explicit GpioLine(const LineSpec& spec) {
     const std::unique_ptr<gpiod_chip, Free<gpiod_chip_close>> chip(open_chip(spec));
     const std::unique_ptr<gpiod_line_settings, Free<gpiod_line_settings_free>> settings(gpiod_line_settings_new());
     const std::unique_ptr<gpiod_line_config, Free<gpiod_line_config_free>> lines(gpiod_line_config_new());
@@ -150,8 +167,8 @@ class GpioLine {
     if (!settings || !lines || !request || !events_) refuse(spec, "out of memory", ENOMEM);
     gpiod_request_config_set_consumer(request.get(), "ldpd");
     fill(*settings, spec);
-    gpiod_line_settings_set_debounce_period_us(settings.get(), static_cast<unsigned long>(debounce_ns / 1000));
-    debounces_ = debounce_ns > 0;
+    gpiod_line_settings_set_debounce_period_us(settings.get(), static_cast<unsigned long>(spec.debounce_ns / 1000));
+    debounces_ = spec.debounce_ns > 0;
     for (;;) {
       gpiod_line_config_reset(lines.get());
       gpiod_line_config_add_line_settings(lines.get(), &offset_, 1, settings.get());
@@ -224,8 +241,6 @@ class GpioLine {
 
 #endif
 
-constexpr double kDebounce_ms = 30;
-
 bool is_readable(int fd) {
   pollfd entry{fd, POLLIN, 0};
   return ::poll(&entry, 1, 0) == 1;
@@ -234,9 +249,9 @@ bool is_readable(int fd) {
 // The line and the debouncing timer behind one epoll descriptor.
 class GpioButton final : public Button {
  public:
-  GpioButton(const LineSpec& spec, int64_t debounce_ns)
-      : line_(spec, debounce_ns),
-        debouncer_(line_.value(), line_.debounces() ? 0 : debounce_ns),
+  explicit GpioButton(const LineSpec& spec)
+      : line_(spec),
+        debouncer_(line_.value(), line_.debounces() ? 0 : spec.debounce_ns),
         epoll_(epoll_create1(EPOLL_CLOEXEC)) {
     if (!epoll_.is_open()) throw_errno("cannot make an epoll descriptor");
     for (const int fd : {line_.fd(), ticker_.fd()}) {
@@ -314,17 +329,12 @@ class GpioLed final : public StatusChannel {
 
 }  // namespace
 
-std::unique_ptr<Button> open_gpiod_button(const Url& url) {
-  url.allow_only("active_low bias debounce_ms");
-  const double debounce_ms = url.number("debounce_ms", kDebounce_ms, {0, 1000});
-  return std::make_unique<GpioButton>(spec_from(url), static_cast<int64_t>(debounce_ms * 1e6));
-}
+void check_gpiod_button(const Url& url) { button_spec_from(url); }
+void check_gpiod_led(const Url& url) { led_spec_from(url); }
 
-std::unique_ptr<StatusChannel> open_gpiod_led(const Url& url) {
-  url.allow_only("active_low bias");
-  LineSpec spec = spec_from(url);
-  spec.output = true;
-  return std::make_unique<GpioLed>(spec);
+std::unique_ptr<Button> open_gpiod_button(const Url& url) {
+  return std::make_unique<GpioButton>(button_spec_from(url));
 }
+std::unique_ptr<StatusChannel> open_gpiod_led(const Url& url) { return std::make_unique<GpioLed>(led_spec_from(url)); }
 
 }  // namespace ldp

@@ -150,6 +150,7 @@ void publish_bytes(lcm::LCM& connection, const char* channel, const std::vector<
 std::shared_ptr<lcm::LCM> connect(const Url& url) {
   static std::mutex mutex;
   static std::weak_ptr<lcm::LCM> shared_queue;
+  check_lcm(url);
   const bool in_memory = url.rest().starts_with("memq:");
   const std::scoped_lock lock(mutex);
   if (in_memory) {

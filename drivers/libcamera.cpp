@@ -21,6 +21,7 @@
 #include "clocks.h"
 #include "errors.h"
 #include "unique_fd.h"
+#include "v4l2_modes.h"
 
 #define LDP_LIBCAMERA_AT_LEAST(major, minor) \
   (LIBCAMERA_VERSION_MAJOR > (major) || (LIBCAMERA_VERSION_MAJOR == (major) && LIBCAMERA_VERSION_MINOR >= (minor)))
@@ -223,13 +224,13 @@ std::shared_ptr<libcamera::Camera> find_camera(const libcamera::CameraManager& m
 class LibcameraCamera final : public CameraDevice {
  public:
   explicit LibcameraCamera(const Url& url) : session_(std::make_shared<Session>()) {
-    url.allow_only("width height fps format");
+    const ModeWish wish = wish_from(url);
     session_->camera = find_camera(session_->manager, url);
     if (session_->camera->acquire() != 0) {
       session_->camera.reset();
       throw std::runtime_error("'" + url.text() + "': the camera is in use by another program");
     }
-    configure(url);
+    configure(url, wish);
     allocate(url);
     session_->camera->requestCompleted.connect(this, &LibcameraCamera::on_completed);
     session_->camera->disconnected.connect(this, &LibcameraCamera::on_disconnected);
@@ -293,7 +294,7 @@ class LibcameraCamera final : public CameraDevice {
     return controls.find(control) != controls.end();
   }
 
-  void configure(const Url& url) {
+  void configure(const Url& url, const ModeWish& wish) {
     session_->configuration = session_->camera->generateConfiguration({libcamera::StreamRole::VideoRecording});
     if (!session_->configuration || session_->configuration->size() == 0) {
       session_->configuration = session_->camera->generateConfiguration({libcamera::StreamRole::Viewfinder});
@@ -302,9 +303,9 @@ class LibcameraCamera final : public CameraDevice {
       throw std::runtime_error("'" + url.text() + "': the camera cannot stream video");
     }
     libcamera::StreamConfiguration& stream = session_->configuration->at(0);
-    stream.pixelFormat = wanted_format(url, stream);
-    stream.size.width = static_cast<unsigned>(url.integer("width", 1280, {16, 16384}));
-    stream.size.height = static_cast<unsigned>(url.integer("height", 720, {16, 16384}));
+    stream.pixelFormat = wanted_format(url, wish, stream);
+    stream.size.width = static_cast<unsigned>(wish.width);
+    stream.size.height = static_cast<unsigned>(wish.height);
     stream.bufferCount = kBuffers;
     if (session_->configuration->validate() == libcamera::CameraConfiguration::Invalid) {
       throw std::runtime_error("'" + url.text() + "': the camera refuses this size and format");
@@ -317,25 +318,22 @@ class LibcameraCamera final : public CameraDevice {
     const int error = session_->camera->configure(session_->configuration.get());
     if (error != 0)
       throw std::runtime_error("'" + url.text() + "': cannot configure the camera: " + std::strerror(-error));
-    const double fps = url.number("fps", 30, {1, 1000});
     const bool settles = has(libcamera::controls::AeEnable.id());
-    mode_ = {*format, static_cast<int>(stream.size.width), static_cast<int>(stream.size.height), fps,
+    mode_ = {*format, static_cast<int>(stream.size.width), static_cast<int>(stream.size.height), wish.fps,
              settles ? kSettle_s : 0};
     stride_ = static_cast<int>(stream.stride);
   }
 
   // The first of ours that the stream offers, or the one asked for.
-  static libcamera::PixelFormat wanted_format(const Url& url, const libcamera::StreamConfiguration& stream) {
-    const std::string asked = url.word("format", "");
+  static libcamera::PixelFormat wanted_format(const Url& url, const ModeWish& wish,
+                                              const libcamera::StreamConfiguration& stream) {
     const auto offered = stream.formats().pixelformats();
     for (const KnownFormat& known : known_formats()) {
-      if (!asked.empty() && asked != name_of(known.ours)) continue;
+      if (wish.format && *wish.format != known.ours) continue;
       if (std::find(offered.begin(), offered.end(), known.theirs) != offered.end()) return known.theirs;
-      if (!asked.empty()) throw std::runtime_error("'" + url.text() + "': the camera does not offer " + asked);
     }
-    if (!asked.empty()) {
-      throw std::runtime_error("'" + url.text() + "': format is '" + asked +
-                               "', expected mjpeg, yuyv, nv12, rgb24 or bgr24");
+    if (wish.format) {
+      throw std::runtime_error("'" + url.text() + "': the camera does not offer " + name_of(*wish.format));
     }
     return stream.pixelFormat;
   }
@@ -421,6 +419,8 @@ class LibcameraCamera final : public CameraDevice {
 };
 
 }  // namespace
+
+void check_libcamera_camera(const Url& url) { wish_from(url); }
 
 std::unique_ptr<CameraDevice> open_libcamera_camera(const Url& url) { return std::make_unique<LibcameraCamera>(url); }
 

@@ -85,6 +85,9 @@ class StatusListener {
   virtual void send(Command command) = 0;
 };
 
+// Throws std::runtime_error, as opening would, for what is wrong with the URL's text alone.
+void check_status(const std::string& url);
+
 // Open or throw std::runtime_error: what was tried, why it failed, what to do.
 std::unique_ptr<StatusChannel> open_status(const std::string& url);
 std::unique_ptr<StatusListener> open_status_listener(const std::string& url);

@@ -230,23 +230,6 @@ class AutomaticControls {
 
 // --- the camera ------------------------------------------------------------------------------------------------------
 
-ModeWish wish_from(const Url& url) {
-  url.allow_only("width height fps format");
-  ModeWish wish;
-  wish.width = url.integer("width", wish.width, {16, 16384});
-  wish.height = url.integer("height", wish.height, {16, 16384});
-  wish.fps = url.number("fps", wish.fps, {1, 1000});
-  const std::string format = url.word("format", "");
-  for (const FourCc& known : kFourCcs) {
-    if (format == name_of(known.format)) wish.format = known.format;
-  }
-  if (!format.empty() && !wish.format) {
-    throw std::runtime_error("'" + url.text() + "': format is '" + format +
-                             "', expected mjpeg, yuyv, nv12, rgb24 or bgr24");
-  }
-  return wish;
-}
-
 class V4l2Camera final : public CameraDevice {
  public:
   explicit V4l2Camera(const Url& url) : path_(url.path()), stream_(std::make_shared<Stream>()) {
@@ -463,6 +446,8 @@ class V4l2Camera final : public CameraDevice {
 };
 
 }  // namespace
+
+void check_v4l2_camera(const Url& url) { wish_from(url); }
 
 std::unique_ptr<CameraDevice> open_v4l2_camera(const Url& url) { return std::make_unique<V4l2Camera>(url); }
 

@@ -37,6 +37,24 @@ double slowness(const CameraMode& mode, const ModeWish& wish) {
 
 }  // namespace
 
+ModeWish wish_from(const Url& url) {
+  url.allow_only("width height fps format");
+  ModeWish wish;
+  wish.width = url.integer("width", wish.width, {16, 16384});
+  wish.height = url.integer("height", wish.height, {16, 16384});
+  wish.fps = url.number("fps", wish.fps, {1, 1000});
+  const std::string format = url.word("format", "");
+  using enum PixelFormat;
+  for (const PixelFormat known : {mjpeg, yuyv, nv12, rgb24, bgr24}) {
+    if (format == name_of(known)) wish.format = known;
+  }
+  if (!format.empty() && !wish.format) {
+    throw std::runtime_error("'" + url.text() + "': format is '" + format +
+                             "', expected mjpeg, yuyv, nv12, rgb24 or bgr24");
+  }
+  return wish;
+}
+
 std::optional<CameraMode> choose_mode(std::span<const CameraMode> offers, const ModeWish& wish) {
   const auto rank = [&](const CameraMode& mode) {
     const double difference = std::round(size_difference(mode, wish) * 100);  // 1 % either way is the same size

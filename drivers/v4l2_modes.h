@@ -1,9 +1,10 @@
-// Which of a V4L2 device's modes to use: a pure choice, apart from the device.
+// Which mode of a camera is wished, and which of a V4L2 device's to use: pure choices, apart from the device.
 #pragma once
 
 #include <span>
 
 #include "camera.h"
+#include "url.h"
 
 namespace ldp {
 
@@ -12,6 +13,9 @@ struct ModeWish {
   double fps = 30;
   std::optional<PixelFormat> format;
 };
+
+// Of the options width, height, fps and format, the only ones; throws as Url does.
+ModeWish wish_from(const Url& url);
 
 // The offered mode nearest to the wish: by format if one is wished, then by size (smallest relative difference of the
 // number of pixels and of the shape), then fast enough (at least half of the wished rate), then MJPEG (stored as it

@@ -9,6 +9,12 @@
 
 namespace ldp {
 
+// Each opens what a URL names; its check refuses what is wrong with the URL's text alone.
+void check_folder_camera(const Url& url);
+void check_scene_camera(const Url& url);
+void check_script_button(const Url& url);
+void check_keyboard_button(const Url& url);
+
 // folder:DIR?fps=30&hold=yes&lost_after=N&stall_after=N
 // The .jpg, .jpeg and .png files of DIR in name order, one per tick of a real clock; the last one is repeated for ever
 // (hold=yes, an arm at rest) or followed by CameraLost (hold=no). JPEG files pass through byte by byte.

@@ -49,8 +49,13 @@ CameraFrame frame_from(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::unique_ptr<CameraDevice> open_folder_camera(const Url& url) {
+void check_folder_camera(const Url& url) {
   url.allow_only(PlaybackCamera::kOptions);
+  PlaybackCamera::timing_from(url);
+}
+
+std::unique_ptr<CameraDevice> open_folder_camera(const Url& url) {
+  check_folder_camera(url);
   auto files = pictures_in(url.path());
   const ImageSize size = read_image_size(files.front());
   Playback playback;
@@ -60,7 +65,7 @@ std::unique_ptr<CameraDevice> open_folder_camera(const Url& url) {
   playback.height = size.height;
   playback.count = static_cast<int64_t>(files.size());
   playback.frame = [files = std::move(files)](int64_t index) { return frame_from(files[static_cast<size_t>(index)]); };
-  return std::make_unique<PlaybackCamera>(url, std::move(playback));
+  return std::make_unique<PlaybackCamera>(PlaybackCamera::timing_from(url), std::move(playback));
 }
 
 }  // namespace ldp

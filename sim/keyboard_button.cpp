@@ -15,7 +15,7 @@ namespace {
 class KeyboardButton final : public Button {
  public:
   explicit KeyboardButton(const Url& url) {
-    url.allow_only("");
+    check_keyboard_button(url);
     if (tcgetattr(STDIN_FILENO, &before_) != 0) throw_errno("keyboard: needs a terminal on standard input");
     termios raw = before_;
     raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
@@ -48,6 +48,8 @@ class KeyboardButton final : public Button {
 };
 
 }  // namespace
+
+void check_keyboard_button(const Url& url) { url.allow_only(""); }
 
 std::unique_ptr<Button> open_keyboard_button(const Url& url) { return std::make_unique<KeyboardButton>(url); }
 

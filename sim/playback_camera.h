@@ -22,8 +22,15 @@ class PlaybackCamera final : public CameraDevice {
  public:
   static constexpr const char* kOptions = "fps hold lost_after stall_after";
 
-  // Reads kOptions from the URL: see devices.h.
-  PlaybackCamera(const Url& url, Playback playback);
+  // kOptions: see devices.h.
+  struct Timing {
+    double fps = 30;
+    bool hold = true;
+    int64_t lost_after = -1, stall_after = -1;  // -1 = never
+  };
+  static Timing timing_from(const Url& url);  // throws as Url does
+
+  PlaybackCamera(const Timing& timing, Playback playback);
 
   std::string name() const override { return playback_.name; }
   CameraMode mode() const override;
@@ -35,9 +42,7 @@ class PlaybackCamera final : public CameraDevice {
 
  private:
   Playback playback_;
-  double fps_ = 30;
-  bool hold_ = true;
-  int64_t lost_after_ = -1, stall_after_ = -1;
+  Timing timing_;
   Ticker ticker_;
   int64_t next_ = 0;
 };

@@ -46,7 +46,13 @@ std::vector<std::shared_ptr<const RgbImage>> render(const SceneCaptureOptions& o
 
 }  // namespace
 
+void check_scene_camera(const Url& url) {
+  options_from(url);
+  PlaybackCamera::timing_from(url);
+}
+
 std::unique_ptr<CameraDevice> open_scene_camera(const Url& url) {
+  check_scene_camera(url);
   const SceneCaptureOptions options = options_from(url);
   Playback playback;
   playback.name = url.text();
@@ -64,7 +70,7 @@ std::unique_ptr<CameraDevice> open_scene_camera(const Url& url) {
     frame.lease = image;
     return frame;
   };
-  return std::make_unique<PlaybackCamera>(url, std::move(playback));
+  return std::make_unique<PlaybackCamera>(PlaybackCamera::timing_from(url), std::move(playback));
 }
 
 }  // namespace ldp

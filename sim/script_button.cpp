@@ -35,10 +35,7 @@ std::vector<ButtonEvent> parse_script(const std::string& file, int64_t start_ns)
 
 class ScriptButton final : public Button {
  public:
-  explicit ScriptButton(const Url& url) : events_(parse_script(url.path(), monotonic_now_ns())) {
-    url.allow_only("");
-    arm();
-  }
+  explicit ScriptButton(const Url& url) : events_(parse_script(url.path(), monotonic_now_ns())) { arm(); }
 
   int fd() const override { return ticker_.fd(); }
   bool pressed() const override { return next_ > 0 && events_[next_ - 1].pressed; }
@@ -67,6 +64,11 @@ class ScriptButton final : public Button {
 
 }  // namespace
 
-std::unique_ptr<Button> open_script_button(const Url& url) { return std::make_unique<ScriptButton>(url); }
+void check_script_button(const Url& url) { url.allow_only(""); }
+
+std::unique_ptr<Button> open_script_button(const Url& url) {
+  check_script_button(url);
+  return std::make_unique<ScriptButton>(url);
+}
 
 }  // namespace ldp

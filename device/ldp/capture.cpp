@@ -58,7 +58,7 @@ int run_capture(CaptureCommand command, const Session& session) {
   Config& config = command.config;
   refuse_used_folder(config.output);
   if (!command.mode.empty()) config.mode = command.mode == "hold" ? ButtonMode::hold : ButtonMode::toggle;
-  for (const ConfigMistake& mistake : wrong_devices(config)) throw BadInput("--" + mistake.text);
+  for (const ConfigMistake& mistake : wrong_values(config)) throw BadInput("--" + mistake.text);
   const NewFolder folder(config.output);
   try {
     CaptureSession capture(config, Run::capture_only, session.stop);

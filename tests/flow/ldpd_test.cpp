@@ -396,7 +396,31 @@ TEST_F(LdpdTest, AnUnknownKindOfDeviceIsRefusedAtOnce) {
   words[6] = "switch:1";
   const Finished run = Process(words, room_ / "said").wait();
   EXPECT_EQ(run.status, 2);
-  EXPECT_THAT(run.said, HasSubstr("--button: unknown kind 'switch:'; known: gpiod script keyboard"));
+  EXPECT_THAT(run.said, HasSubstr("--button: 'switch:1': no button of that kind; known: gpiod:, script:, keyboard:"));
+}
+
+TEST_F(LdpdTest, EmptyNamesAreRefusedAndDoNotMeanTheDefaults) {
+  const auto refused = [&](const std::string& option) {
+    return Process({LDPD_PROGRAM, "--check-config", option, ""}, room_ / ("said" + option)).wait();
+  };
+  for (const char* const option : {"--camera", "--button", "--status", "--output"}) {
+    const Finished run = refused(option);
+    EXPECT_EQ(run.status, 2) << option;
+    EXPECT_THAT(run.said, HasSubstr(std::string(option) + ": "));
+  }
+  EXPECT_EQ(refused("--config").status, 78);
+}
+
+TEST_F(LdpdTest, WithoutAnLdpBesideItAProgramHasToBeNamed) {
+  const fs::path alone = room_ / "alone";
+  fs::copy_file(LDPD_PROGRAM, alone);
+  std::vector<std::string> words{alone.string(), "--check-config", "--button", "script:a", "--output", room_.string()};
+  const Finished run = Process(words, room_ / "said").wait();
+  EXPECT_EQ(run.status, 78);
+  EXPECT_THAT(run.said, HasSubstr("there is no " + (room_ / "ldp").string() + ": install ldp there, or name"));
+  std::ofstream(room_ / "ldpd.toml") << "[build]\nprogram = '" << LDPD_PROGRAM << "'\n";
+  words.insert(words.end(), {"--config", (room_ / "ldpd.toml").string()});
+  EXPECT_EQ(Process(words, room_ / "said").wait().status, 0);
 }
 
 TEST_F(LdpdTest, WithoutItsButtonItSaysSoAndWaits) {
@@ -990,7 +1014,8 @@ TEST_F(LdpdTest, LdpCaptureLeavesNothingWhereNoFrameWasKept) {
       {"v4l2:" + (room_ / "nowhere").string(), button, 2, "nowhere"},
       {"folder:" + (room_ / "nowhere").string(), button, 2, "nowhere"},
       {frames, "script:" + (room_ / "no_script").string(), 2, "no_script"},
-      {"scene:nope", "script:" + (room_ / "no_script").string(), 2, "no_script"},
+      {"folder:" + (room_ / "nowhere").string(), "script:" + (room_ / "no_script").string(), 2, "no_script"},
+      {"scene:nope", button, 2, "no scene of that name"},
       {frames + "&lost_after=0", button, 1, "unplugged"},
   };
   fs::create_directory(room_ / "empty");

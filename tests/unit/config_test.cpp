@@ -50,10 +50,44 @@ TEST(Config, EveryMistakeIsNamedWithItsLine) {
   }
 }
 
+TEST(Config, WhatUrlsOutputAndProgramSayWronglyIsNamedWithItsLine) {
+  const CheckedConfig checked = parse_config(
+      "camera = 'scene:moon'\n"
+      "button = 'gpiod:17'\n"
+      "status = ['console:',\n"
+      " 'lcm:upd://239.255.76.67:7667',\n"
+      " 'lcm:udpm://10.0.0.1:7667',\n"
+      " 'led:name=a?bias=up']\n"
+      "output = ''\n"
+      "[build]\n"
+      "program = '/nowhere/ldp'\n"
+      "[sweep]\n"
+      "min_frames = 9\n"
+      "max_frames = 5\n");
+  const std::pair<int, const char*> expected[] = {
+      {1, "camera: 'scene:moon': no scene of that name; known: "},
+      {2, "button: 'gpiod:17': expected CHIP/LINE"},
+      {4, "status: 'lcm:upd://239.255.76.67:7667': LCM has no provider 'upd'"},
+      {5, "status: 'lcm:udpm://10.0.0.1:7667': '10.0.0.1' is no multicast address"},
+      {6, "status: 'led:name=a?bias=up': bias is 'up'"},
+      {7, "output: is empty: give the folder"},
+      {9, "build.program: there is no '/nowhere/ldp': give the whole path of ldp"},
+      {12, "sweep.max_frames is smaller"}};
+  ASSERT_EQ(checked.mistakes.size(), std::size(expected));
+  for (size_t i = 0; i < std::size(expected); ++i) {
+    EXPECT_EQ(checked.mistakes[i].line, expected[i].first) << checked.mistakes[i].text;
+    EXPECT_THAT(checked.mistakes[i].text, testing::StartsWith(expected[i].second));
+  }
+  EXPECT_THAT(parse_config("output = '/dev/null'").mistakes.at(0).text, HasSubstr("'/dev/null' is no folder"));
+  EXPECT_THAT(parse_config("build.program = '/dev/null'").mistakes.at(0).text, HasSubstr("cannot be run"));
+  EXPECT_THAT(parse_config("build.program = '/'").mistakes.at(0).text, HasSubstr("cannot be run"));
+  EXPECT_TRUE(parse_config("build.program = '/bin/sh'\noutput = '/nowhere/yet'").mistakes.empty());
+}
+
 TEST(Config, AModeThatNobodyGaveIsWhatTheButtonCan) {
   const auto mode = [](const std::string& text) {
     const CheckedConfig checked = parse_config(text);
-    EXPECT_TRUE(checked.mistakes.empty() && wrong_devices(checked.config).empty()) << text;
+    EXPECT_TRUE(checked.mistakes.empty() && wrong_values(checked.config).empty()) << text;
     return mode_of(checked.config);
   };
   EXPECT_EQ(mode(""), ButtonMode::hold);
@@ -67,8 +101,8 @@ TEST(Config, AModeThatNobodyGaveIsWhatTheButtonCan) {
   EXPECT_THAT(keyboard.mistakes[0].text, HasSubstr("sweep.mode: a terminal"));
   Config mixed;
   mixed.button = "keyboard:", mixed.mode = ButtonMode::hold;
-  ASSERT_EQ(wrong_devices(mixed).size(), 1U);
-  EXPECT_THAT(wrong_devices(mixed)[0].text, HasSubstr("mode: a terminal"));
+  ASSERT_EQ(wrong_values(mixed).size(), 1U);
+  EXPECT_THAT(wrong_values(mixed)[0].text, HasSubstr("mode: a terminal"));
 }
 
 TEST(Config, TextThatIsNotTomlIsNamedWithItsLine) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "backends.h"
 #include "clocks.h"
 #include "debouncer.h"
 #include "devices.h"
@@ -72,6 +73,43 @@ TEST(Url, AnUnknownOptionIsNamedWithTheKnownOnes) {
   EXPECT_THAT(complaint([] { Url("folder:x?speed=3").allow_only("fps hold"); }),
               testing::AllOf(HasSubstr("'speed'"), HasSubstr("fps hold")));
   EXPECT_THAT(complaint([] { Url("no scheme here"); }), HasSubstr("no scheme"));
+}
+
+TEST(LcmUrl, IsRefusedForItsTextAloneInTheWordsOfWhatIsWrong) {
+  for (const char* const good :
+       {"lcm:", "lcm:udpm://", "lcm:udpm://239.255.76.67", "lcm:udpm://224.0.0.1:1?ttl=255&recv_buf_size=9",
+        "lcm:mpudpm://239.255.76.67:65535", "lcm:memq://", "lcm:tcpq://localhost:7700", "lcm:file:///a/log?mode=w"}) {
+    EXPECT_EQ(complaint([&] { check_lcm(Url(good)); }), "") << good;
+  }
+  const std::pair<const char*, const char*> wrong[] = {
+      {"lcm:udpm", "expected PROVIDER://NETWORK"},
+      {"lcm:239.255.76.67:7667", "expected PROVIDER://NETWORK"},
+      {"lcm:upd://239.255.76.67:7667", "no provider 'upd'; known: udpm"},
+      {"lcm:udpm://garbage", "'garbage' is no multicast"},
+      {"lcm:udpm://:7667", "'' is no multicast"},
+      {"lcm:udpm://240.0.0.0:7667", "'240.0.0.0' is no multicast"},
+      {"lcm:mpudpm://10.0.0.1:7667", "'10.0.0.1' is no multicast"},
+      {"lcm:udpm://239.255.76.67:", "'' is no port"},
+      {"lcm:udpm://239.255.76.67:0", "'0' is no port"},
+      {"lcm:udpm://239.255.76.67:65536", "'65536' is no port"},
+      {"lcm:udpm://239.255.76.67:76x7", "'76x7' is no port"},
+      {"lcm:udpm://239.255.76.67:7667?tll=0", "unknown option 'tll'"},
+      {"lcm:udpm://239.255.76.67:7667?ttl=256", "ttl is '256'"}};
+  for (const auto& [url, what] : wrong)
+    EXPECT_THAT(complaint([&, text = url] { check_lcm(Url(text)); }), testing::AllOf(HasSubstr(what), HasSubstr(url)));
+}
+
+TEST(Url, OfACameraIsCheckedWithoutTheCamera) {
+  EXPECT_EQ(complaint([] { wish_from(Url("v4l2:/nowhere?width=640&format=nv12")); }), "");
+  EXPECT_EQ(wish_from(Url("v4l2:/nowhere?format=nv12")).format, PixelFormat::nv12);
+  EXPECT_THAT(complaint([] { wish_from(Url("v4l2:/nowhere?format=tiff")); }), HasSubstr("format is 'tiff'"));
+  EXPECT_EQ(complaint([] { check_folder_camera(Url("folder:/nowhere?fps=5")); }), "");
+  EXPECT_THAT(complaint([] { check_folder_camera(Url("folder:/nowhere?fps=0")); }), HasSubstr("fps is '0'"));
+  EXPECT_THAT(complaint([] { check_scene_camera(Url("scene:room?width=3")); }), HasSubstr("width is '3'"));
+  EXPECT_THAT(complaint([] { check_scene_camera(Url("scene:room?hold=maybe")); }), HasSubstr("hold is 'maybe'"));
+  EXPECT_EQ(complaint([] { check_script_button(Url("script:/nowhere")); }), "");
+  EXPECT_THAT(complaint([] { check_script_button(Url("script:/nowhere?a")); }), HasSubstr("'a'"));
+  EXPECT_THAT(complaint([] { check_keyboard_button(Url("keyboard:?a")); }), HasSubstr("'a'"));
 }
 
 TEST(Debouncer, ACleanPressIsReportedOnceItHasSettledAndDatedAtItsEdge) {
