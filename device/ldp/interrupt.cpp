@@ -35,7 +35,9 @@ timespec timespec_of(std::chrono::milliseconds time) {
   return {static_cast<time_t>(time.count() / 1000), static_cast<long>(time.count() % 1000) * 1'000'000};
 }
 
-[[noreturn]] void cut_off() {
+}  // namespace
+
+void cut_off(int status, const std::string& line) {
   // The lock is kept: nobody may register or write anything from here on.
   Registry& all = registry();
   all.mutex.lock();
@@ -44,11 +46,11 @@ timespec timespec_of(std::chrono::milliseconds time) {
     // A worker may still be writing into the folder: once more takes what came in between.
     for (int attempt = 0; attempt < 3; ++attempt) std::filesystem::remove_all(path, ignored);
   }
-  if (::isatty(STDERR_FILENO) == 1 && ::write(STDERR_FILENO, "\r\x1b[K", 4) < 0) ::_exit(kInterrupted);
-  ::_exit(kInterrupted);
+  std::string last = ::isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "";  // over a progress bar
+  last += line;
+  if (!last.empty() && ::write(STDERR_FILENO, last.data(), last.size()) < 0) ::_exit(status);
+  ::_exit(status);
 }
-
-}  // namespace
 
 Interrupt::Interrupt() {
   const sigset_t set = ending_signals();
@@ -69,7 +71,7 @@ void Interrupt::wait(const std::stop_token& over) {
   stop_.request_stop();
   const timespec patience = timespec_of(kPatience);
   ::sigtimedwait(&set, nullptr, &patience);  // a second Ctrl-C is the end of patience; the destructor's, of everything
-  if (!over.stop_requested()) cut_off();
+  if (!over.stop_requested()) cut_off(kInterrupted, {});
 }
 
 Finishing::Finishing() { registry().mutex.lock(); }

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <filesystem>
 #include <stop_token>
+#include <string>
 #include <thread>
 
 namespace ldp {
@@ -29,6 +30,10 @@ class Interrupt {
   std::stop_source stop_;
   std::jthread waiter_;
 };
+
+// Removes all that is Temporary and ends the program, from any thread, whatever else runs; `line` goes to standard
+// error.
+[[noreturn]] void cut_off(int status, const std::string& line);
 
 // A path that must not outlive an interrupted program. While one is alive, being cut off removes it.
 class Temporary {

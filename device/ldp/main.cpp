@@ -10,33 +10,50 @@
 
 #include "commands.h"
 #include "interrupt.h"
+#include "out_of_memory.h"
 
 namespace ldp {
 namespace {
 
-int complain(const Program& program, const std::string& message, int status) {
-  const std::string name = program.command.empty() ? "ldp" : "ldp " + program.command;
-  std::string line = message;
+// None of that name: nullptr.
+const CLI::App* command_of(const CLI::App& app, const std::string& name) {
+  const auto named = app.get_subcommands([&](const CLI::App* command) { return command->get_name() == name; });
+  return named.empty() ? nullptr : named.front();
+}
+
+std::string line_from(const Program& program, const std::string& message) {
+  std::string line = (program.command.empty() ? "ldp" : "ldp " + program.command) + ": " + message;
   for (char& c : line) c = c == '\n' ? ' ' : c;
-  std::fprintf(stderr, "%s: %s\n", name.c_str(), line.c_str());
+  return line;
+}
+
+int complain(const Program& program, const std::string& message, int status) {
+  std::fprintf(stderr, "%s\n", line_from(program, message).c_str());
   return status;
 }
 
-bool has_command(CLI::App& app, const std::string& name) {
-  const auto all = app.get_subcommands([](const CLI::App*) { return true; });
-  return std::any_of(all.begin(), all.end(), [&](const CLI::App* command) { return command->get_name() == name; });
+// By what the command can be told.
+std::string out_of_memory(const Program& program) {
+  const CLI::App* const command = command_of(program.app, program.command);
+  const auto takes = [&](const char* option) {
+    return command != nullptr && command->get_option_no_throw(option) != nullptr;
+  };
+  std::string remedy = takes("--size") ? "make smaller pictures (--size)" : "free some";
+  if (takes("--megapixels")) remedy = "use fewer photos, or smaller ones (--megapixels)";
+  if (takes("--memory")) remedy += ", or a coarser panorama (--memory)";
+  return "not enough memory: " + remedy;
 }
 
 int parse(Program& program, int argc, char** argv) {
   const std::string first = argc > 1 ? argv[1] : "-";
-  if (!first.starts_with('-') && !has_command(program.app, first))
+  if (!first.starts_with('-') && command_of(program.app, first) == nullptr)
     return complain(program, "there is no command '" + first + "': see ldp --help", kBadInput);
   try {
     program.app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // help or version
     return program.app.exit(request);
   } catch (const CLI::ParseError& error) {
-    if (has_command(program.app, first)) program.command = first;
+    if (command_of(program.app, first) != nullptr) program.command = first;
     const std::string help = program.command.empty() ? "ldp --help" : "ldp " + program.command + " --help";
     return complain(program, std::string(error.what()) + ": see " + help, kBadInput);
   }
@@ -45,6 +62,7 @@ int parse(Program& program, int argc, char** argv) {
 
 // One line, one status: see session.h. What a file holds that cannot be read comes as runtime_error.
 int run(const Program& program) {
+  say_when_memory_ends(line_from(program, out_of_memory(program)));
   try {
     return program.chosen();
   } catch (const Cancelled&) {
@@ -54,7 +72,7 @@ int run(const Program& program) {
   } catch (const Impossible& error) {
     return complain(program, error.what(), kCannotBeDone);
   } catch (const std::bad_alloc&) {
-    return complain(program, "not enough memory: use smaller or fewer photos", kCannotBeDone);
+    return complain(program, out_of_memory(program), kCannotBeDone);
   } catch (const std::system_error& error) {
     return complain(program, error.what(), kCannotBeDone);
   } catch (const std::invalid_argument& error) {

@@ -176,6 +176,40 @@ TEST_F(Outputs, AFullDiskIsToldByTheUsersOwnNames) {
                  with_ffmpeg("echo \"$film: No space left on device\" >&2; echo and more >&2; exit 1"));
 }
 
+// The dynamic loader of a sanitized program wants the sanitizer first.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kCanPreload = false;
+#else
+constexpr bool kCanPreload = true;
+#endif
+
+TEST_F(Outputs, MemoryThatEndsInALibrarysThreadIsToldInALineAndOtherEndsAreNotHidden) {
+  if (!kCanPreload) GTEST_SKIP() << "nothing can be preloaded before a sanitized program";
+  const auto while_a_thread_throws = [&](const std::string& what) {
+    return std::vector<std::string>{"bash", "-c",
+                                    "ulimit -c 0; LDP_FOLDER=" + path("") + " LDP_THROWS=" + what +
+                                        " LD_PRELOAD=" LDP_THREAD_THROWS " exec \"$0\" \"$@\""};
+  };
+  const std::vector<std::string> scene{"scene", "room", "-o", path("room"), "--frames", "30", "--size", "800x600"};
+  expect_refusal(scene, 1, "ldp scene: not enough memory: make smaller pictures (--size)\n",
+                 while_a_thread_throws("bad_alloc"));
+  const Outcome other = Running(scene, room_, while_a_thread_throws("cause")).wait();
+  EXPECT_EQ(other.status, -1);  // by a signal
+  EXPECT_THAT(other.err, testing::AllOf(HasSubstr("runtime_error"), HasSubstr("what():  cause")));
+}
+
+TEST_F(Outputs, MemoryThatEndsIsToldWithWhatTheCommandCanBeTold) {
+  const auto with = [](const std::string& kib) {
+    return std::vector<std::string>{"bash", "-c", "ulimit -d " + kib + "; exec \"$0\" \"$@\""};
+  };
+  if (!kCanPreload) GTEST_SKIP() << "a sanitized program takes more memory than a limit can tell";
+  for (int i = 0; i < 4; ++i) photo("big/" + std::to_string(i) + ".jpg", 3000, 2000);
+  expect_refusal({"poses", path("big"), "--megapixels", "6"}, 1,
+                 "ldp poses: not enough memory: use fewer photos, or smaller ones (--megapixels)\n", with("20000"));
+  expect_refusal({"build", path("big"), "-o", path("a.ldp"), "--megapixels", "6"}, 1,
+                 "smaller ones (--megapixels), or a coarser panorama (--memory)\n", with("20000"));
+}
+
 TEST_F(Outputs, SmallFilesAreCountedInKilobytes) {
   const std::string file = small_panorama();
   const Outcome exported = ldp({"export", file, "-o", path("a.json")});

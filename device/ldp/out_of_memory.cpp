@@ -1,0 +1,49 @@
+#include "out_of_memory.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <exception>
+#include <new>
+
+#include "interrupt.h"
+#include "session.h"
+
+namespace ldp {
+namespace {
+
+constexpr size_t kReserve = 1 << 20;  // bytes that the last steps may take
+
+std::string* said = nullptr;
+void* reserve = nullptr;
+std::terminate_handler otherwise = nullptr;
+
+bool memory_ended() {
+  try {
+    if (const std::exception_ptr cause = std::current_exception()) std::rethrow_exception(cause);
+  } catch (const std::bad_alloc&) {
+    return true;
+  } catch (...) {
+  }
+  return false;
+}
+
+void end() {
+  if (memory_ended()) {
+    std::free(reserve);
+    cut_off(kCannotBeDone, *said);
+  }
+  otherwise();
+}
+
+}  // namespace
+
+void say_when_memory_ends(const std::string& line) {
+  static auto* const alive_for_ever = new std::string;  // other threads outlive main
+  *alive_for_ever = line + "\n";
+  said = alive_for_ever;
+  if (reserve == nullptr) reserve = std::malloc(kReserve);
+  if (otherwise == nullptr) otherwise = std::set_terminate(end);
+}
+
+}  // namespace ldp
