@@ -232,7 +232,8 @@ TEST_F(Outputs, HelpAndRefusalsHoldPrintableTextOnly) {
 }
 
 TEST_F(Outputs, MemoryIsASizeAndNothingElse) {
-  for (const char* size : {"-5", "-1M", "abc", "5X", "1e3", "1.5M", "+5M", "99999999999999999999T"})
+  for (const char* size : {"-5", "-1M", "abc", "5X", "1e3", "1.5M", "+5M", "99999999999999999999T", "", "M", "5 M",
+                           "5M ", " 5M", "-0", "0x10", "5M3"})
     expect_refusal({"build", path("x"), "-o", path("a.ldp"), "--memory", size}, 2,
                    "--memory: '" + std::string(size) + "' is not a size such as 128M");
 }

@@ -93,6 +93,8 @@ TEST(Transforms, RoundedRotationsAreMadeExact) {
 
 TEST(Transforms, EveryRefusalNamesFileFrameAndField) {
   EXPECT_THAT(refusal("{"), HasSubstr("t.json: not valid JSON"));
+  EXPECT_THAT(refusal("{\"frames\":\n[3,\n"), HasSubstr("not valid JSON in line 3: was it cut short"));
+  EXPECT_THAT(refusal("{\"frames\":[1e999]}"), HasSubstr("t.json: not valid JSON: a number in it is too large"));
   EXPECT_THAT(refusal("[]"), HasSubstr("t.json: no list \"frames\""));
   EXPECT_THAT(refusal(R"({"frames":[3]})"), HasSubstr("t.json: frame 0: is not an object"));
   EXPECT_THAT(refusal(R"({"frames":[{}]})"), HasSubstr("t.json: frame 0: file_path is missing"));

@@ -222,6 +222,18 @@ TEST(ExposureGain, RisesWithoutJumpsToWhite) {
   }
 }
 
+// By hand from the curve's equations: (0.5 + 0.5 t^2) 240 with t = 16/31; 208 + 47 k t / (1 + (k - 1) t) with
+// t = (2 * 160 - 208) / 302 and k = 302 / 47.
+TEST(ExposureGain, BendsWhereItsEquationsDo) {
+  const auto shown = [](float gain, int level) {
+    return ExposureGain({gain, gain, gain})({level * 256, level * 256, level * 256}, 256)[0] / 256.0;
+  };
+  EXPECT_NEAR(shown(0.5F, 240), 151.97, 0.1);
+  EXPECT_NEAR(shown(0.5F, 224), 112, 0.1);
+  EXPECT_NEAR(shown(2, 160), 245.18, 0.1);
+  EXPECT_NEAR(shown(2, 104), 208, 0.1);
+}
+
 TEST(ExposureGain, IsUndone) {
   constexpr int kUnits = 16;
   for (const Gain& g :
