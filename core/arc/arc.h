@@ -5,6 +5,7 @@
 // hold up (mean of their -y axes), which settles what a short or nearly straight path leaves open.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "geometry.h"
@@ -24,6 +25,10 @@ struct ArcFit {
 };
 
 ArcFit fit_arc(const std::vector<Camera>& cameras, const ArcOptions& options);
+
+// What to do where the photos lie on their side, told by cameras in the order of the sweep that go or turn up or down
+// in their pictures; empty where they go to the side, or nothing is clear.
+std::string sideways(const std::vector<Camera>& cameras);
 
 struct GridOptions {
   Rays rays = Rays::pushbroom;

@@ -103,6 +103,7 @@ class Build {
 
   void lay_out() {
     report_.arc = fit_arc(poses_.cameras, {});
+    if (const std::string what = sideways(poses_.cameras); !what.empty()) report_.notes.push_back(what);
     GridOptions grid;
     grid.rays = options_.rays;
     grid.near_depth = options_.near_depth;

@@ -168,7 +168,8 @@ std::vector<fs::path> list_photos(const fs::path& folder) {
   return files;
 }
 
-FolderFrames::FolderFrames(const fs::path& folder, const FolderFramesOptions& options) {
+FolderFrames::FolderFrames(const fs::path& folder, const FolderFramesOptions& options)
+    : orientation_(options.orientation) {
   if (options.max_pixels < 1024) throw std::logic_error("FolderFrames: max_pixels must be at least 1024");
   if (!fs::exists(folder)) throw std::runtime_error(folder.string() + ": there is no such folder: check the name");
   if (!fs::is_directory(folder))
@@ -180,7 +181,7 @@ FolderFrames::FolderFrames(const fs::path& folder, const FolderFramesOptions& op
     throw std::runtime_error(folder.string() + ": " +
                              (other.empty() ? "no .jpg or .png photos in it: give a folder of photos" : other));
   }
-  stored_ = one_size_of(files_, folder);
+  stored_ = upright(one_size_of(files_, folder), orientation_);
   working_ = shrunk(stored_, options.max_pixels);
 }
 
@@ -188,10 +189,11 @@ std::string FolderFrames::name(int index) const { return files_.at(static_cast<s
 
 RgbImage FolderFrames::load(int index) const {
   const fs::path& file = files_.at(static_cast<size_t>(index));
-  if (working_ == stored_) return read_image(file);
+  if (working_ == stored_) return upright(read_image(file), orientation_);
   // Decoding at a whole fraction of the size saves memory; the rest of the way is averaged.
   const int64_t enough = int64_t{4} * working_.width * working_.height;
-  return resize_by_area(read_photo(file, std::max<int64_t>(enough, 4'000'000)).image, working_.width, working_.height);
+  RgbImage photo = upright(read_photo(file, std::max<int64_t>(enough, 4'000'000)).image, orientation_);
+  return resize_by_area(photo, working_.width, working_.height);
 }
 
 std::optional<double> FolderFrames::focal_hint(int index) const {

@@ -21,6 +21,7 @@ namespace ldp {
 
 struct FolderFramesOptions {
   int64_t max_pixels = 2'100'000;  // 1920x1080 passes as it is
+  int orientation = 1;  // as EXIF numbers them, of what the photos' own leave: a camera that was mounted on its side
 };
 
 class FolderFrames : public FrameSource {
@@ -33,7 +34,7 @@ class FolderFrames : public FrameSource {
   RgbImage load(int index) const override;
   std::optional<double> focal_hint(int index) const override;
 
-  ImageSize stored_size() const { return stored_; }    // upright size of the files
+  ImageSize stored_size() const { return stored_; }    // size of the files, upright
   ImageSize working_size() const { return working_; }  // of every frame as loaded
 
   // The same cameras for frames of the working size; those that no photo is named after are left out. Throws
@@ -43,6 +44,7 @@ class FolderFrames : public FrameSource {
  private:
   std::vector<std::filesystem::path> files_;
   ImageSize stored_, working_;
+  int orientation_;
 };
 
 // Photos of a folder in order. Empty when there is none.

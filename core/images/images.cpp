@@ -21,6 +21,8 @@ ScaledImage decode(std::span<const uint8_t> bytes, const std::string& name, int6
 
 bool swaps_sides(int orientation) { return orientation >= 5; }
 
+}  // namespace
+
 ImageSize upright(ImageSize size, int orientation) {
   return swaps_sides(orientation) ? ImageSize{size.height, size.width} : size;
 }
@@ -42,8 +44,6 @@ RgbImage upright(RgbImage stored, int orientation) {
     }
   return image;
 }
-
-}  // namespace
 
 void check_size(int64_t width, int64_t height, const std::string& name) {
   if (width >= 1 && height >= 1 && width <= kMaxImageSide && height <= kMaxImageSide &&

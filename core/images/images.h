@@ -32,6 +32,11 @@ struct Photo {
   double scale = 1;                  // image pixels per stored pixel: an image position times 1 / scale is a stored one
 };
 
+// EXIF's orientations, 1 to 8: 1 is upright as stored, 6, 3 and 8 are upright after a turn by 90, 180 and 270 degrees
+// clockwise.
+ImageSize upright(ImageSize stored, int orientation);
+RgbImage upright(RgbImage stored, int orientation);
+
 // By content: JPEG, PNG or WebP. EXIF orientation applied.
 RgbImage read_image(const std::filesystem::path& file);
 

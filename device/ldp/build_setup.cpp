@@ -1,6 +1,7 @@
 #include "build_setup.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -53,6 +54,12 @@ void add_capture_options(CLI::App& command, BuildSetup& setup) {
   command.add_option("--megapixels", setup.megapixels, "Larger photos are scaled down to this size")
       ->check(number_within(0.01, 200.0))
       ->capture_default_str();
+  command
+      .add_option("--turn", setup.turn_deg,
+                  "Photos of a camera mounted on its side: degrees clockwise that make them upright; --cameras and "
+                  "--fov are of the turned photos")
+      ->check(CLI::IsMember({0, 90, 180, 270}))
+      ->capture_default_str();
   command.add_option("--seed", setup.build.poses.seed, "Of every random choice")->capture_default_str();
 }
 
@@ -93,6 +100,8 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
 FolderFrames open_frames(const BuildSetup& setup) {
   FolderFramesOptions folder;
   folder.max_pixels = std::llround(setup.megapixels * 1e6);
+  constexpr std::array kOrientations = {1, 6, 3, 8};
+  folder.orientation = kOrientations[static_cast<size_t>(setup.turn_deg / 90)];
   return FolderFrames(setup.capture, folder);
 }
 
@@ -149,6 +158,7 @@ nlohmann::ordered_json options_json(const BuildSetup& setup, const BuildOptions&
   json["memory_bytes"] = used.memory_bytes;
   json["colour_quality"] = setup.colour_quality;
   json["megapixels"] = setup.megapixels;
+  json["turn_degrees"] = setup.turn_deg;
   json["fov_degrees"] =
       used.poses.fov_rad ? nlohmann::ordered_json(*used.poses.fov_rad * 180 / std::numbers::pi) : nullptr;
   json["arm_length"] = used.poses.arm_length;

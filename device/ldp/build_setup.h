@@ -13,6 +13,7 @@ namespace ldp {
 struct BuildSetup {
   std::string capture, cameras;  // folder; transforms.json or empty
   double megapixels = 2.1;       // of a frame at most
+  int turn_deg = 0;              // clockwise, that makes photos upright
   double fov_deg = 0;            // 0 = from the photos
   double arm_length = 0;         // 0 = from capture.json, else the default
   int colour_quality = 90;

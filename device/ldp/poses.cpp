@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "arc.h"
 #include "build_report.h"
 #include "build_setup.h"
 #include "colmap.h"
@@ -69,7 +70,7 @@ void write_colmap(const std::filesystem::path& folder, const Poses& poses,
   out.keep();
 }
 
-void print_table(const PosesReport& report) {
+void print_table(const PosesReport& report, const std::string& lying) {
   for (const FrameReport& frame : report.frames) {
     if (frame.posed) {
       std::printf("%s: %d features, %d matches, %d inliers, %.2f px\n", frame.name.c_str(), frame.features,
@@ -80,6 +81,7 @@ void print_table(const PosesReport& report) {
   }
   std::printf("%d points, %.2f px\n", report.points, report.reprojection_px);
   if (report.motion == Motion::rotation) std::printf("no parallax was found: the camera only turned\n");
+  if (!lying.empty()) std::fprintf(stderr, "ldp poses: %s\n", lying.c_str());
   if (!report.doubt.empty()) std::fprintf(stderr, "ldp poses: these poses may be wrong: %s\n", report.doubt.c_str());
 }
 
@@ -106,7 +108,7 @@ int run(const PosesCommand& command, const Session& session) {
   if (session.json)
     std::printf("%s\n", poses_json(poses.report).dump(1).c_str());
   else
-    print_table(poses.report);
+    print_table(poses.report, sideways(poses.cameras));
   return kDone;
 }
 

@@ -45,6 +45,25 @@ TEST_F(GivenCameras, CamerasAtOnePlaceMakeOneFarLayerAndThoseThatPhotosContradic
   EXPECT_THAT(built.err, HasSubstr("of what photos have in common agrees with the cameras given"));
 }
 
+TEST_F(GivenCameras, PhotosOnTheirSideAreToldOfAndTurned) {
+  const std::string from = capture(), side = path("side"), cameras = from + "/transforms.json";
+  fs::create_directory(side);
+  constexpr int kTurnedBack = 8;  // by 270 degrees clockwise
+  for (const auto& photo : fs::directory_iterator(from + "/frames"))
+    write_file(fs::path(side) / photo.path().filename(), encode_png(upright(read_image(photo.path()), kTurnedBack)));
+  const std::string told = "the sweep goes up or down in the photos";
+  const Outcome lying = ldp({"poses", side});
+  EXPECT_THAT(lying.err, HasSubstr("ldp poses: " + told));
+  const Outcome turned = ldp({"poses", side, "--turn", "90", "--cameras", cameras});
+  EXPECT_EQ(turned.status, 0);
+  EXPECT_EQ(turned.err, "");
+  EXPECT_THAT(ldp({"poses", side, "--turn", "270", "--cameras", cameras}).err,
+              HasSubstr("agrees with the cameras given"));
+  const Outcome built =
+      ldp({"build", side, "-o", path("a.ldp"), "--layers", "1", "--labels", "4", "--iterations", "1"});
+  EXPECT_THAT(built.err, HasSubstr("ldp build: " + told));
+}
+
 TEST_F(GivenCameras, TrueCamerasAreNotSpokenOf) {
   const Outcome built = ldp(build_with([](auto&, auto&) {}));
   EXPECT_EQ(built.status, 0);

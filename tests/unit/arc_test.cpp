@@ -133,6 +133,36 @@ TEST(FitArc, CamerasThatOnlyTurnGetACircleOfRadiusZero) {
   EXPECT_NEAR(fit.arc.theta_end - fit.arc.theta_begin, std::numbers::pi, kRounding);
 }
 
+std::vector<Camera> on_their_side(std::vector<Camera> cameras) {
+  for (Camera& camera : cameras) {
+    Eigen::Matrix3d& axes = camera.pose.world_from_camera;
+    axes = (Eigen::Matrix3d() << axes.col(1), -axes.col(0), axes.col(2)).finished();
+  }
+  return cameras;
+}
+
+TEST(Sideways, IsToldOfSweepsThatGoUpOrDownInThePhotosAlone) {
+  Hand arc, unsteady, all_round, on_the_spot, back;
+  arc.begin_deg = -20, arc.end_deg = 20;
+  unsteady.place_jitter = 0.02, unsteady.turn_jitter_deg = 4;
+  all_round.end_deg = 250, all_round.pitch_deg = 20;
+  on_the_spot.radius = 0;
+  back.begin_deg = 90, back.end_deg = -90;
+  std::vector<Camera> straight = sweep({}), ahead = straight;
+  for (size_t i = 0; i < straight.size(); ++i) {
+    straight[i] = outward_camera(Eigen::Vector3d(0, 0.1 * static_cast<double>(i), 0), i % 2 == 0 ? 3 : -3, 0);
+    ahead[i] = outward_camera(Eigen::Vector3d(0.1 * static_cast<double>(i), 0, 0), 0, i % 2 == 0 ? 3 : -3);
+    ahead[i].pose.centre.z() += 0.01 * static_cast<double>(i);
+  }
+  for (const auto& cameras :
+       {sweep(arc), sweep(unsteady), sweep(all_round), sweep(on_the_spot), sweep(back), straight}) {
+    EXPECT_EQ(sideways(cameras), "");
+    EXPECT_NE(sideways(on_their_side(cameras)).find("--turn 90 or --turn 270"), std::string::npos);
+  }
+  EXPECT_EQ(sideways(ahead), "");
+  EXPECT_EQ(sideways(on_their_side(ahead)), "");
+}
+
 TEST(FitArc, RefusesTwoCamerasAndPosesThatAreNoNumbers) {
   std::vector<Camera> cameras = sweep({});
   EXPECT_THROW(fit_arc({cameras[0], cameras[1]}, ArcOptions{}), Impossible);

@@ -105,6 +105,28 @@ TEST_F(FolderFramesTest, ScalesHugePhotosAndTheirCamerasToTheWorkingSize) {
   EXPECT_EQ(fitted[0].intrinsics.width, 200);
 }
 
+TEST_F(FolderFramesTest, TurnsPhotosOfACameraOnItsSide) {
+  RgbImage image(64, 32);
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 16; ++x) image.at(x, y) = {255, 255, 255};  // a white corner, upper left
+  write_file(folder_ / "a.png", encode_png(image));
+  for (const int64_t pixels : {2'000'000, 1024}) {
+    const auto corner = [&](int orientation) {
+      const FolderFrames frames(folder_, {pixels, orientation});
+      const RgbImage turned = frames.load(0);
+      EXPECT_EQ((ImageSize{turned.width, turned.height}), frames.working_size());
+      EXPECT_EQ(turned.height > turned.width, orientation != 3);
+      const bool left = turned.at(1, 1).r + turned.at(1, turned.height - 2).r > 200;
+      const bool above = turned.at(1, 1).r + turned.at(turned.width - 2, 1).r > 200;
+      return std::string(above ? "upper " : "lower ") + (left ? "left" : "right");
+    };
+    EXPECT_EQ(corner(6), "upper right");
+    EXPECT_EQ(corner(3), "lower right");
+    EXPECT_EQ(corner(8), "lower left");
+  }
+  EXPECT_EQ(FolderFrames(folder_, {2'000'000, 6}).stored_size(), (ImageSize{32, 64}));
+}
+
 TEST_F(FolderFramesTest, LeavesOutCamerasWithoutAPhotoAndRefusesOtherShapes) {
   photo("a.jpg");
   const FolderFrames frames(folder_);

@@ -1,0 +1,34 @@
+#include <Eigen/Core>
+#include <cmath>
+
+#include "arc.h"
+
+namespace ldp {
+namespace {
+
+constexpr double kClearly = 2;        // times as much up or down as to the side
+constexpr double kLeastTurn = 0.25;   // rad, below which a turn tells nothing
+constexpr double kLeastShare = 0.35;  // of the path's length, that must remain of its steps' sum
+
+}  // namespace
+
+// Steps from camera to camera, in each camera's axes, are added up with their signs: what a hand sways cancels out.
+std::string sideways(const std::vector<Camera>& cameras) {
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero(), way = Eigen::Vector3d::Zero();  // turn: sines of angles
+  double length = 0;
+  for (size_t i = 1; i < cameras.size(); ++i) {
+    const Pose &from = cameras[i - 1].pose, &to = cameras[i].pose;
+    const Eigen::Matrix3d r = from.world_from_camera.transpose() * to.world_from_camera;
+    turn += 0.5 * Eigen::Vector3d(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1));
+    way += from.world_from_camera.transpose() * (to.centre - from.centre);
+    length += (to.centre - from.centre).norm();
+  }
+  const double nod = std::abs(turn.x()), pan = std::abs(turn.y());
+  const double down = std::abs(way.y()), aside = std::abs(way.x());
+  const bool turns = std::max(nod, pan) > kLeastTurn;
+  if (turns ? nod <= kClearly * pan : down <= kClearly * aside || down <= kLeastShare * length) return {};
+  return "the sweep goes up or down in the photos: where the camera lay on its side, add --turn 90 or --turn 270, "
+         "whichever shows things upright";
+}
+
+}  // namespace ldp
