@@ -221,6 +221,7 @@ std::string transforms_json(std::span<const Camera> cameras) {
     return same(camera.intrinsics, cameras.front().intrinsics);
   });
   Json json;
+  json["software"] = "ldp";
   json["camera_model"] = "OPENCV";
   if (shared) put(json, cameras.front().intrinsics);
   json["frames"] = Json::array();

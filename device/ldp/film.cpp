@@ -16,6 +16,7 @@
 #include "interrupt.h"
 #include "job.h"
 #include "output.h"
+#include "own_output.h"
 #include "session.h"
 
 extern char** environ;
@@ -42,6 +43,7 @@ std::vector<std::string> command_line(const std::filesystem::path& output, int w
   // Players want 4:2:0, which needs even sides.
   if (extension_of(output) != ".gif")
     words.insert(words.end(), {"-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2", "-pix_fmt", "yuv420p"});
+  words.insert(words.end(), {"-metadata", std::string("comment=") + kRendered});  // a .gif has no room for it
   words.push_back(output.string());
   return words;
 }

@@ -19,9 +19,11 @@ std::string_view text_of(std::span<const uint8_t> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Of cameras each frame has a pose; a capture's record has frames too, but no poses.
-bool holds_cameras(const nlohmann::json& json) {
+// Of cameras each frame has a pose; a capture's record has frames too, but no poses. Cameras of another program may be
+// the work of days.
+bool holds_our_cameras(const nlohmann::json& json) {
   if (!json.is_object() || !json.contains("frames") || !json["frames"].is_array()) return false;
+  if (!json.contains("software") || json["software"] != "ldp") return false;
   for (const auto& frame : json["frames"])
     if (!frame.is_object() || !frame.contains("transform_matrix")) return false;
   return true;
@@ -41,13 +43,15 @@ bool is_of(OutputKind kind, const fs::path& file) {
     case OutputKind::report:
       return holds_report(nlohmann::json::parse(all, nullptr, false));
     case OutputKind::cameras:
-      return file.filename() != "capture.json" && holds_cameras(nlohmann::json::parse(all, nullptr, false));
+      return file.filename() != "capture.json" && holds_our_cameras(nlohmann::json::parse(all, nullptr, false));
     case OutputKind::picture:
       return says("GPano:ProjectionType=\"equirectangular\"") && says("GPano:StitchingSoftware=\"ldp ");
     case OutputKind::mesh:
       return head.starts_with("glTF") && says("layered-depth-panorama");
     case OutputKind::viewer:
       return says("<title>Layered depth panorama</title>");
+    case OutputKind::film:
+      return all.find(kRendered) != std::string_view::npos;  // where its metadata lie is the container's choice
   }
   return false;
 }
@@ -59,13 +63,15 @@ const char* words_for(OutputKind kind) {
     case OutputKind::report:
       return "report of a build";
     case OutputKind::cameras:
-      return "transforms.json of cameras";
+      return "transforms.json of this program";
     case OutputKind::picture:
       return "flat panorama of this program";
     case OutputKind::mesh:
       return "mesh of this program";
     case OutputKind::viewer:
       return "viewer of this program";
+    case OutputKind::film:
+      return "film that tells it was rendered by this program";
   }
   return "";
 }

@@ -1,13 +1,15 @@
 // What may be written over: a file that is there already is replaced only by another of its own kind, told by what is
-// in it. A slip of the hand must cost no photo of a sweep or record of a capture. (Cameras of other programs are of the
-// kind of ours.)
+// in it. A slip of the hand must cost no photo of a sweep, record of a capture, or cameras and films of another
+// program.
 #pragma once
 
 #include <filesystem>
 
 namespace ldp {
 
-enum class OutputKind { panorama, report, cameras, picture, mesh, viewer };
+enum class OutputKind { panorama, report, cameras, picture, mesh, viewer, film };
+
+constexpr const char* kRendered = "ldp render";  // told in every view and film: other ones are someone's own
 
 // The kind that `ldp export` writes by the file's extension, which it must know.
 OutputKind exported_kind(const std::filesystem::path& file);

@@ -15,6 +15,7 @@
 #include "images.h"
 #include "number_within.h"
 #include "output.h"
+#include "own_output.h"
 #include "panorama_input.h"
 #include "progress_bar.h"
 #include "transforms.h"
@@ -51,11 +52,7 @@ void check_stems(const std::vector<Camera>& cameras, const std::string& file) {
   }
 }
 
-constexpr const char* kViewsSoftware = "ldp render";  // told in every view: other pictures are someone's own
-
-bool is_a_view(const fs::path& png) {
-  return fs::is_regular_file(png) && png_software(read_file(png)) == kViewsSoftware;
-}
+bool is_a_view(const fs::path& png) { return fs::is_regular_file(png) && png_software(read_file(png)) == kRendered; }
 
 // Depths tell nothing of their origin: they are of this program where the view beside them is.
 void keep_photos(const RenderCommand& command, const std::vector<Camera>& cameras) {
@@ -108,7 +105,7 @@ Totals render_pictures(const RenderCommand& command, const Renderer& renderer, c
     const View view = renderer.render(camera, command.options, job);
     const std::string stem = fs::path(camera.name).stem().string();
     folder.fill([&] {
-      write_file(folder.path() / (stem + ".png"), encode_png(view.colour, view.alpha, kViewsSoftware));
+      write_file(folder.path() / (stem + ".png"), encode_png(view.colour, view.alpha, kRendered));
       if (command.options.depth) write_file(folder.path() / (stem + ".pfm"), encode_pfm(view.depth));
     });
     add(view, totals);
@@ -140,7 +137,7 @@ void check(const RenderCommand& command) {
   if (!command.cameras.empty()) check_input_file(command.cameras);
   if (names_a_film(command.output)) {
     if (command.options.depth) throw BadInput("--depth: a film has no depth: give a folder to -o");
-    return check_output_file(command.output);
+    return check_output_file(command.output, OutputKind::film);
   }
   OutputFolder(command.output, OutputFolder::Existing::merge);  // refused before the file is read
   if (!command.path.empty()) refuse_longer_path(command);

@@ -43,6 +43,17 @@ TEST_F(Outputs, AFilmIsKnownByItsEndingInAnyCase) {
   }
 }
 
+TEST_F(Outputs, AFilmReplacesOnlyFilmsOfItsOwn) {
+  const std::string file = small_panorama();
+  const auto ffmpeg = with_ffmpeg("cat > /dev/null; printf '%100000s' \"$*\" > \"$film\"");
+  for (const char* time : {"once", "and over itself"})
+    EXPECT_EQ(Running(render_path(file, path("film.mp4"), 2), room_, ffmpeg).wait().status, 0) << time;
+  EXPECT_THAT(text_of(path("film.mp4")), HasSubstr("-metadata comment=ldp render"));
+  std::ofstream(path("holiday.mp4")) << "ftyp of somebody's holidays";
+  expect_refusal(render_path(file, path("holiday.mp4"), 2), 2, "holiday.mp4: exists and is no film that tells", ffmpeg);
+  EXPECT_EQ(text_of(path("holiday.mp4")), "ftyp of somebody's holidays");
+}
+
 TEST_F(Outputs, AFolderNamedLikeAFileIsRefusedUnlessASlashFollows) {
   const std::string file = small_panorama();
   for (const char* name : {"film.webp", "film.AVI", "film.mov", "views.ldp"})
@@ -96,19 +107,21 @@ TEST_F(Outputs, AFileThatIsThereIsReplacedOnlyByOneOfItsKind) {
   fs::copy_file(path("capture/frames/000.png"), path("sweep/1.png"));
   std::ofstream(path("sweep/capture.json")) << R"({"version": 1, "frames": [{"name": "0.jpg"}]})";
   std::ofstream(path("sweep/package.json")) << R"({"name": "theirs"})";
+  std::ofstream(path("sweep/theirs.json")) << R"({"frames": [{"file_path": "a", "transform_matrix": []}]})";
   std::ofstream(path("sweep/theirs.glb")) << "glTF of another program";
   std::ofstream(path("sweep/theirs.html")) << "<title>Theirs</title>";
   std::ofstream(path("sweep/theirs.ldp")) << "a list of district plans";
   std::ofstream(path("sweep/empty.jpg"));
   const auto before = [&](const std::string& name) { return text_of(path("sweep/" + name)); };
   std::map<std::string, std::string> kept;
-  for (const char* name : {"0.jpg", "1.png", "capture.json", "package.json", "theirs.glb", "theirs.html"}) {
+  for (const char* name :
+       {"0.jpg", "1.png", "capture.json", "package.json", "theirs.json", "theirs.glb", "theirs.html"}) {
     kept[name] = before(name);
     expect_refusal({"export", file, "-o", path("sweep/" + std::string(name))}, 2, "exists and is no ");
   }
   kept["theirs.ldp"] = before("theirs.ldp");
   expect_refusal({"build", path("capture"), "-o", path("sweep/theirs.ldp")}, 2, "exists and is no .ldp file");
-  for (const char* name : {"capture.json", "package.json"}) {
+  for (const char* name : {"capture.json", "package.json", "theirs.json"}) {
     expect_refusal({"poses", path("capture"), "-o", path("sweep/" + std::string(name))}, 2, "exists and is no ");
     expect_refusal({"build", path("capture"), "-o", path("b.ldp"), "--report", path("sweep/" + std::string(name))}, 2,
                    "exists and is no report");
