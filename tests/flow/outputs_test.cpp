@@ -107,7 +107,8 @@ TEST_F(Outputs, AFileThatIsThereIsReplacedOnlyByOneOfItsKind) {
   fs::copy_file(path("capture/frames/000.png"), path("sweep/1.png"));
   std::ofstream(path("sweep/capture.json")) << R"({"version": 1, "frames": [{"name": "0.jpg"}]})";
   std::ofstream(path("sweep/package.json")) << R"({"name": "theirs"})";
-  std::ofstream(path("sweep/theirs.json")) << R"({"frames": [{"file_path": "a", "transform_matrix": []}]})";
+  std::ofstream(path("sweep/theirs.json"))
+      << R"({"software": "theirs", "frames": [{"file_path": "a", "transform_matrix": []}]})";
   std::ofstream(path("sweep/theirs.glb")) << "glTF of another program";
   std::ofstream(path("sweep/theirs.html")) << "<title>Theirs</title>";
   std::ofstream(path("sweep/theirs.ldp")) << "a list of district plans";
