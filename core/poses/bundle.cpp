@@ -224,6 +224,7 @@ BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& jo
   solver.num_threads = 1;
   solver.max_num_iterations = options.most_iterations;
   solver.function_tolerance = options.settled;
+  solver.initial_trust_region_radius = options.first_trust;
   solver.logging_type = ceres::SILENT;
   StopCheck stop(job);
   solver.callbacks.push_back(&stop);

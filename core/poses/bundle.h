@@ -51,7 +51,8 @@ struct BundleOptions {
   bool in_front = false;      // points stay on this side of infinity (else a short arc may turn inside out)
   bool near_the_end = false;  // steps may be bold: elsewhere they could end in another valley
   int most_iterations = 50;
-  double settled = 1e-6;  // share by which the last step lowered the cost
+  double settled = 1e-6;     // share by which the last step lowered the cost
+  double first_trust = 1e4;  // Ceres' trust region at first: the wider, the freer what data hold loosely
 };
 
 struct BundleSummary {

@@ -61,6 +61,7 @@ void Rounds::round(const std::vector<Track>& tracks, double tolerance, double ar
   cost_ = adjust(r.bundle, options_, job_).cost;
   if (last && thorough_) {
     adjust_whole_tracks(r.bundle, options_, sweep_->pixels(kTrackLoss), job_);
+    adjust_narrowly(r.bundle, options_, sweep_->pixels(1), job_);
   } else if (!last) {
     believed_sigma_ = options_.model == Model::free ? scatter_about_arc(r) / noise_px(r) : 0;
   }

@@ -384,6 +384,44 @@ TEST(AdjustWholeTracks, BelievesNothingOfATrackThatShowsTwoThings) {
   for (const BundleObservation& o : bundle.observations) EXPECT_EQ(o.weight, 1);
 }
 
+// Two fifths of what one camera sees are beside where they should be, all to the same side: too near for a wide scale
+// to leave them alone.
+TEST(AdjustNarrowly, PutsACameraWhereMostOfWhatItSeesSaysExactly) {
+  const Bundle truth = true_bundle(Model::free);
+  Bundle bundle = truth;
+  for (BundleObservation& o : bundle.observations) {
+    if (o.point % 5 < 2 && o.camera == 4) o.position_px.x() += 3;
+  }
+  BundleOptions options;
+  options.arc_sigma = 10;
+  ASSERT_TRUE(adjust(bundle, options, Job{}).usable);
+  adjust_whole_tracks(bundle, options, 1, Job{});
+  const auto gap = [&] {
+    const auto between = [](const Bundle& b) -> Eigen::Matrix3d {
+      return b.cameras[4].world_from_camera.transpose() * b.cameras[3].world_from_camera;
+    };
+    return angle_deg(between(bundle), between(truth));
+  };
+  const double before = gap();
+  EXPECT_TRUE(adjust_narrowly(bundle, options, 1, Job{}));
+  EXPECT_LT(gap(), 0.1 * before) << before;
+  for (const BundleObservation& o : bundle.observations) EXPECT_EQ(o.weight, 1);
+}
+
+TEST(AdjustNarrowly, LeavesCamerasWhereNoneAreClearlyBetter) {
+  std::mt19937 random(8);
+  Bundle bundle = true_bundle(Model::free);
+  for (BundleObservation& o : bundle.observations)
+    o.position_px += 0.5 * Eigen::Vector2d(uniform(random, -1, 1), uniform(random, -1, 1));
+  BundleOptions options;
+  options.arc_sigma = 10;
+  ASSERT_TRUE(adjust(bundle, options, Job{}).usable);
+  adjust_whole_tracks(bundle, options, 1, Job{});
+  const Bundle before = bundle;
+  EXPECT_FALSE(adjust_narrowly(bundle, options, 1, Job{}));
+  for (size_t i = 0; i < before.cameras.size(); ++i) EXPECT_EQ(bundle.cameras[i].centre, before.cameras[i].centre);
+}
+
 class AdjustModel : public testing::TestWithParam<Model> {};
 
 TEST_P(AdjustModel, ReturnsToTheTruthFromADisturbedStart) {
