@@ -35,7 +35,9 @@ struct GridOptions {
   double pitch_px = 1;   // panorama pitch in photo pixels: d_theta = d_v = pitch_px / focal
   // Inverse depth to which photos match nearer than the points tell (sweep.h); 0 = not known.
   double matched_near = 0;
-  double near_depth = 0, far_depth = 0;  // 0 = from the points (2nd and 98th percentile, or what a few points of three cameras and more surely lie on, with a margin; far becomes infinity when > 100 r) and matched_near
+  // 0 = from the points (2nd and 98th percentile, or what a few points of three cameras and more surely lie on, with a
+  // margin; far becomes infinity when > 100 r) and matched_near.
+  double near_depth = 0, far_depth = 0;
 };
 
 // Extends half a field of view past both ends of the path, and to every row that the cameras see; wraps when closed or
