@@ -22,7 +22,8 @@ std::string plain(double value) {
 
 Url::Url(std::string_view text) : text_(text) {
   const size_t colon = text_.find(':');
-  if (colon == std::string::npos || colon == 0) refuse(text_, "no scheme; expected something like 'v4l2:/dev/video0'");
+  if (colon == std::string::npos || colon == 0)
+    refuse(text_, "no scheme; expected something like 'v4l2:/dev/video0' of a camera or 'lcm:' of a status");
   scheme_ = text_.substr(0, colon);
   rest_ = text_.substr(colon + 1);
   const size_t question = rest_.find('?');

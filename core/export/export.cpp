@@ -20,7 +20,9 @@ Form form_of(const std::filesystem::path& file) {
   if (extension == ".glb") return Form::glb;
   if (extension == ".html" || extension == ".htm") return Form::html;
   if (extension == ".json") return Form::json;
-  throw std::runtime_error(file.string() + ": cannot export to '" + extension + "': .jpg, .png, .glb, .html or .json");
+  throw std::runtime_error(file.string() + ": cannot export to " +
+                           (extension.empty() ? "a name without an ending" : "'" + extension + "'") +
+                           ": .jpg, .png, .glb, .html or .json");
 }
 
 std::vector<uint8_t> bytes_of(const std::string& text) { return {text.begin(), text.end()}; }

@@ -56,7 +56,7 @@ bool precedes_naturally(const std::string& a, const std::string& b);
 // What a build wants to know from capture.json. All absent when there is no such file.
 struct CaptureNotes {
   std::optional<double> arm_length;  // metres
-  std::optional<double> fov_rad;     // horizontal
+  std::optional<double> fov_rad;     // horizontal, of photos as they are stored
   std::string device, captured_utc;
 };
 CaptureNotes read_capture_notes(const std::filesystem::path& folder);

@@ -38,5 +38,6 @@ Exif read_exif(std::span<const uint8_t> jpeg, ImageSize size);
 
 void check_size(int64_t width, int64_t height, const std::string& name);
 [[noreturn]] void refuse_too_large(ImageSize size, int64_t max_pixels, const std::string& name);
+[[noreturn]] void refuse_damaged(const std::string& name, const std::string& format, const std::string& what);
 
 }  // namespace ldp

@@ -9,7 +9,7 @@ namespace ldp {
 namespace {
 
 [[noreturn]] void refuse_content(const std::string& name) {
-  throw std::runtime_error(name + ": neither a JPEG nor a PNG nor a WebP file");
+  throw std::runtime_error(name + ": neither a JPEG nor a PNG nor a WebP file: copy it again, or leave it out");
 }
 
 ScaledImage decode(std::span<const uint8_t> bytes, const std::string& name, int64_t max_pixels) {
@@ -57,6 +57,10 @@ void check_size(int64_t width, int64_t height, const std::string& name) {
 void refuse_too_large(ImageSize size, int64_t max_pixels, const std::string& name) {
   throw std::runtime_error(name + ": " + std::to_string(size.width) + " x " + std::to_string(size.height) +
                            " pixels cannot be reduced to " + std::to_string(max_pixels) + " pixels");
+}
+
+void refuse_damaged(const std::string& name, const std::string& format, const std::string& what) {
+  throw std::runtime_error(name + ": damaged " + format + " (" + what + "): copy it again, or leave it out");
 }
 
 RgbImage decode_image(std::span<const uint8_t> bytes, const std::string& name) {

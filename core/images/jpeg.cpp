@@ -123,7 +123,7 @@ void read_rows(Decoder& d) {
 }
 
 [[noreturn]] void fail(const Decoder& d, const std::string& name) {
-  throw std::runtime_error(name + ": damaged JPEG: " + d.errors.message);
+  refuse_damaged(name, "JPEG", d.errors.message);
 }
 
 ImageSize header_size(Decoder& d, const std::string& name) {

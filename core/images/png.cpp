@@ -121,7 +121,7 @@ void read_rows(Decoder& d) {
 }
 
 [[noreturn]] void fail(const Decoder& d, const std::string& name) {
-  throw std::runtime_error(name + ": damaged PNG: " + d.session.message);
+  refuse_damaged(name, "PNG", d.session.message);
 }
 
 ImageSize header_size(Decoder& d, const std::string& name) {

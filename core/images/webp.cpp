@@ -13,7 +13,7 @@ namespace {
 WebPBitstreamFeatures features_of(std::span<const uint8_t> bytes, const std::string& name) {
   WebPBitstreamFeatures features;
   if (WebPGetFeatures(bytes.data(), bytes.size(), &features) != VP8_STATUS_OK)
-    throw std::runtime_error(name + ": damaged WebP: its header cannot be read");
+    refuse_damaged(name, "WebP", "its header cannot be read");
   if (features.has_animation) throw std::runtime_error(name + ": an animated WebP is not a photo");
   check_size(features.width, features.height, name);
   return features;
@@ -71,7 +71,7 @@ ScaledImage decode_webp(std::span<const uint8_t> bytes, const std::string& name,
   RgbImage image(size.width, size.height);
   auto* samples = reinterpret_cast<uint8_t*>(image.samples.data());
   if (!WebPDecodeRGBInto(bytes.data(), bytes.size(), samples, image.samples.size() * 3, image.width * 3))
-    throw std::runtime_error(name + ": damaged WebP: its pixels cannot be read");
+    refuse_damaged(name, "WebP", "its pixels cannot be read");
   return {std::move(image), size, 1};
 }
 

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kNoLoss_px = 1e6;               // the tracks' weights are all there is
 constexpr double kNarrow = 0.3, kBetween = 0.5;  // scales, pixels of 800: the deviation of a feature, and what judges
-constexpr double kClearly = 30 * 0.3 * 0.3;      // squared pixels of 800: thirty variances of a feature
-constexpr double kFreely = 1e6;                  // first trust region where what few points tie is to settle
+constexpr double kClearly = 30 * kNarrow * kNarrow;  // squared pixels of 800: thirty variances of a feature
+constexpr double kFreely = 1e6;                      // first trust region where what few points tie is to settle
 
 // How often tracks are weighed, each time by what the adjustment before left of them, and how.
 struct Weighing {
@@ -51,7 +51,7 @@ void weigh(Bundle& bundle, Model model, const Weighing& weighing) {
   for (BundleObservation& o : bundle.observations) o.weight *= all;
 }
 
-void adjust(Bundle& bundle, BundleOptions options, const Weighing& weighing, const Job& job) {
+void adjust_weighed(Bundle& bundle, BundleOptions options, const Weighing& weighing, const Job& job) {
   const std::vector<BundleObservation> given = bundle.observations;
   options.loss_px = kNoLoss_px;
   options.most_iterations = weighing.steps;
@@ -75,13 +75,14 @@ double unexplained(const Bundle& bundle, Model model, double scale_px) {
 }  // namespace
 
 void adjust_whole_tracks(Bundle& bundle, BundleOptions options, double scale_px, const Job& job) {
-  adjust(bundle, options, Weighing{.scale_px = scale_px}, job);
+  adjust_weighed(bundle, options, Weighing{.scale_px = scale_px}, job);
 }
 
 bool adjust_narrowly(Bundle& bundle, BundleOptions options, double pixel, const Job& job) {
   Bundle narrow = bundle;
   options.first_trust = kFreely;
-  adjust(narrow, options, Weighing{.scale_px = kNarrow * pixel, .times = 10, .steps = 6, .same_sum = true}, job);
+  adjust_weighed(narrow, options, Weighing{.scale_px = kNarrow * pixel, .times = 10, .steps = 6, .same_sum = true},
+                 job);
   const auto still_unexplained = [&](const Bundle& b) { return unexplained(b, options.model, kBetween * pixel); };
   if (!(still_unexplained(narrow) < still_unexplained(bundle) - kClearly * pixel * pixel)) return false;
   bundle = std::move(narrow);

@@ -20,7 +20,10 @@ Eigen::Vector3d horizontal_forward(const Camera& camera, const Eigen::Vector3d& 
   const Eigen::Vector3d level = forward - exact_dot(forward, axis) * axis;
   const double length = std::sqrt(exact_dot(level, level));
   if (length < 0.2) {
-    throw std::runtime_error("photo '" + camera.name + "' looks straight up or down: leave it out of the capture");
+    throw std::runtime_error(
+        "photo '" + camera.name +
+        "' looks straight up or down: leave it out of the capture, or, where the camera lay on its side, add --turn 90 "
+        "or --turn 270 (where it stood upright, leave --turn out)");
   }
   return level / length;
 }

@@ -56,8 +56,8 @@ void add_capture_options(CLI::App& command, BuildSetup& setup) {
       ->capture_default_str();
   command
       .add_option("--turn", setup.turn_deg,
-                  "Photos of a camera mounted on its side: degrees clockwise that make them upright; --cameras and "
-                  "--fov are of the turned photos")
+                  "Photos of a camera mounted on its side: degrees clockwise that make them upright; --cameras, "
+                  "--fov and the cameras that are written are of the turned photos")
       ->check(CLI::IsMember({0, 90, 180, 270}))
       ->capture_default_str();
   command.add_option("--seed", setup.build.poses.seed, "Of every random choice")->capture_default_str();
@@ -105,7 +105,17 @@ FolderFrames open_frames(const BuildSetup& setup) {
   return FolderFrames(setup.capture, folder);
 }
 
-PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes) {
+namespace {
+
+// Of photos as they are stored, by their size when turned.
+double turned_fov(double fov_rad, int turn_deg, ImageSize turned) {
+  if (turn_deg % 180 == 0) return fov_rad;
+  return 2 * std::atan(std::tan(fov_rad / 2) * turned.width / turned.height);
+}
+
+}  // namespace
+
+PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes, const FolderFrames& frames) {
   PosesOptions options = setup.build.poses;
   if (setup.arm_length > 0)
     options.arm_length = setup.arm_length;
@@ -114,7 +124,7 @@ PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes) {
   if (setup.fov_deg > 0)
     options.fov_rad = setup.fov_deg * std::numbers::pi / 180;
   else if (notes.fov_rad)
-    options.fov_rad = notes.fov_rad;
+    options.fov_rad = turned_fov(*notes.fov_rad, setup.turn_deg, frames.stored_size());
   return options;
 }
 
@@ -131,7 +141,7 @@ PreparedBuild prepare(const BuildSetup& setup) {
     throw BadInput("--near " + std::to_string(options.near_depth) + ": is not nearer than --far " +
                    std::to_string(options.far_depth));
   }
-  options.poses = poses_options(setup, prepared.notes);
+  options.poses = poses_options(setup, prepared.notes, prepared.frames);
   if (!setup.cameras.empty()) {
     options.cameras = prepared.frames.fit(read_transforms(setup.cameras));
     check_lenses(options.cameras, setup.cameras);

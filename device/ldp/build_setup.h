@@ -30,7 +30,7 @@ struct PreparedBuild {
 };
 
 FolderFrames open_frames(const BuildSetup& setup);
-PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes);
+PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes, const FolderFrames& frames);
 
 // Reads what the options name. Throws BadInput or std::runtime_error.
 PreparedBuild prepare(const BuildSetup& setup);

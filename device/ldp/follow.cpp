@@ -65,7 +65,7 @@ PoseEstimator follow_capture(const BuildSetup& setup, int lines_fd, const Job& j
     int count = 0;
     for (const std::string& name : names) count = std::max(count, index_of(frames, name, setup.capture) + 1);
     if (complete) return poses;
-    if (poses.size() == 0) poses = PoseEstimator(poses_options(setup, read_capture_notes(setup.capture)));
+    if (poses.size() == 0) poses = PoseEstimator(poses_options(setup, read_capture_notes(setup.capture), frames));
     poses.add_frames(frames, std::max(count, poses.size()), job);
   }
 }

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <exception>
 #include <new>
@@ -15,7 +16,7 @@ namespace {
 constexpr size_t kReserve = 1 << 20;  // bytes that the last steps may take
 
 std::string* said = nullptr;
-void* reserve = nullptr;
+std::atomic<void*> reserve;  // several threads may come to their end at once
 std::terminate_handler otherwise = nullptr;
 
 bool memory_ended() {
@@ -30,7 +31,7 @@ bool memory_ended() {
 
 void end() {
   if (memory_ended()) {
-    std::free(reserve);
+    std::free(reserve.exchange(nullptr));
     cut_off(kCannotBeDone, *said);
   }
   otherwise();
@@ -42,7 +43,7 @@ void say_when_memory_ends(const std::string& line) {
   static auto* const alive_for_ever = new std::string;  // other threads outlive main
   *alive_for_ever = line + "\n";
   said = alive_for_ever;
-  if (reserve == nullptr) reserve = std::malloc(kReserve);
+  if (reserve.load() == nullptr) reserve = std::malloc(kReserve);
   if (otherwise == nullptr) otherwise = std::set_terminate(end);
 }
 

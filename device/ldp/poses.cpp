@@ -70,7 +70,7 @@ void write_colmap(const std::filesystem::path& folder, const Poses& poses,
   out.keep();
 }
 
-void print_table(const PosesReport& report, const std::string& lying) {
+void print_table(const PosesReport& report) {
   for (const FrameReport& frame : report.frames) {
     if (frame.posed) {
       std::printf("%s: %d features, %d matches, %d inliers, %.2f px\n", frame.name.c_str(), frame.features,
@@ -81,7 +81,6 @@ void print_table(const PosesReport& report, const std::string& lying) {
   }
   std::printf("%d points, %.2f px\n", report.points, report.reprojection_px);
   if (report.motion == Motion::rotation) std::printf("no parallax was found: the camera only turned\n");
-  if (!lying.empty()) std::fprintf(stderr, "ldp poses: %s\n", lying.c_str());
   if (!report.doubt.empty()) std::fprintf(stderr, "ldp poses: these poses may be wrong: %s\n", report.doubt.c_str());
 }
 
@@ -105,10 +104,12 @@ int run(const PosesCommand& command, const Session& session) {
   if (!command.colmap.empty()) write_colmap(command.colmap, poses, colours);
   if (!command.output.empty()) write_text(command.output, transforms_json(poses.cameras));
   bar.reset();
+  if (const std::string what = sideways(poses.cameras); !what.empty())
+    std::fprintf(stderr, "ldp poses: %s\n", what.c_str());
   if (session.json)
     std::printf("%s\n", poses_json(poses.report).dump(1).c_str());
   else
-    print_table(poses.report, sideways(poses.cameras));
+    print_table(poses.report);
   return kDone;
 }
 

@@ -1,6 +1,8 @@
 // Cameras given to `ldp` that cannot be meant: axes of another program, no lens, another sweep, all at one place.
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "flow.h"
 
@@ -62,6 +64,21 @@ TEST_F(GivenCameras, PhotosOnTheirSideAreToldOfAndTurned) {
   const Outcome built =
       ldp({"build", side, "-o", path("a.ldp"), "--layers", "1", "--labels", "4", "--iterations", "1"});
   EXPECT_THAT(built.err, HasSubstr("ldp build: " + told));
+}
+
+TEST_F(GivenCameras, TheFieldOfViewThatACaptureTellsIsOfPhotosAsTheyAreStored) {
+  const std::string from = capture(), notes = from + "/capture.json", report = path("report.json");
+  std::ofstream(notes) << R"({"fov_degrees": 40})";
+  const auto fov_degrees = [&](const std::string& turn) {
+    ldp({"build", from, "-o", path("a.ldp"), "--layers", "1", "--labels", "2", "--turn", turn, "--report", report});
+    const auto json = nlohmann::json::parse(text_of(report));
+    return json["options"]["fov_degrees"].get<double>();
+  };
+  const auto json = nlohmann::json::parse(text_of(from + "/transforms.json"));
+  const double shape = json["h"].get<double>() / json["w"].get<double>();
+  constexpr double kDegree = std::numbers::pi / 180;
+  EXPECT_NEAR(fov_degrees("180"), 40, 1e-9);
+  EXPECT_NEAR(fov_degrees("90"), 2 * std::atan(std::tan(20 * kDegree) * shape) / kDegree, 1e-9);
 }
 
 TEST_F(GivenCameras, TrueCamerasAreNotSpokenOf) {

@@ -158,7 +158,17 @@ TEST(Images, RandomDamageNeverDoesMoreThanThrow) {
 TEST(Images, SomethingElseIsNamedAsSuch) {
   const std::vector<uint8_t> text = {'h', 'e', 'l', 'l', 'o'};
   EXPECT_EQ(message_of([&] { decode_image(text, "notes.txt"); }),
-            "notes.txt: neither a JPEG nor a PNG nor a WebP file");
+            "notes.txt: neither a JPEG nor a PNG nor a WebP file: copy it again, or leave it out");
+}
+
+TEST(Images, ACutPhotoIsNamedWithWhatToDo) {
+  const RgbImage image = some_image(64, 48);
+  for (std::vector<uint8_t> bytes : {encode_jpeg(image, 80), encode_png(image), encode_webp(image, 80)}) {
+    bytes.resize(bytes.size() / 2);
+    const std::string message = message_of([&] { decode_image(bytes, "a.photo"); });
+    EXPECT_TRUE(message.starts_with("a.photo: damaged ")) << message;
+    EXPECT_TRUE(message.ends_with("): copy it again, or leave it out")) << message;
+  }
 }
 
 TEST(Images, ASizeBeyondTheLimitsIsRefusedBeforeAnythingIsAllocated) {

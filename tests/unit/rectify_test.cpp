@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <random>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "simple_capture.h"
@@ -51,6 +53,19 @@ int largest_step(const UprightFrame& coarse, const UprightFrame& fine, int n, Gr
       largest = std::max(largest, std::abs((coarse.*plane).at(row, column) - (sum + n * n / 2) / (n * n)));
     }
   return largest;
+}
+
+TEST_F(Rectify, APhotoThatLooksStraightUpIsNamedWithWhatToDo) {
+  cameras_[1].name = "b.jpg";
+  cameras_[1].pose.world_from_camera << 1, 0, 0, 0, -1, 0, 0, 0, 1;
+  try {
+    frames(1);
+    FAIL() << "rectified";
+  } catch (const std::runtime_error& error) {
+    const std::string what = error.what();
+    EXPECT_TRUE(what.starts_with("photo 'b.jpg' looks straight up or down")) << what;
+    EXPECT_NE(what.find("--turn 90 or --turn 270"), std::string::npos) << what;
+  }
 }
 
 // Three times as well: only there would a single sample in the middle differ from the mean.
