@@ -108,6 +108,7 @@ int CaptureSession::run() {
   notice_.ready();
   while (!stopping_) turn();
   notice_.stopping();
+  if (interrupted_ && run_ != Run::capture_only) leave_in_order();
   tell_ignored(true);
   return exit_status_;
 }
@@ -297,6 +298,28 @@ void CaptureSession::continue_after_sweep() {
   start_build();
 }
 
+// A sweep that was interrupted keeps the frames it has; one without any leaves no folder.
+void CaptureSession::leave_in_order() {
+  const bool in_sweep = sweep_closing_;
+  while (sweep_closing_) {
+    serve_writer();
+    if (!sweep_closing_) break;
+    pollfd entry{writer_.fd(), POLLIN, 0};
+    ::poll(&entry, 1, 1000);
+  }
+  try {
+    const bool has_nothing = frames_stored_ == 0 && storage_problem_.empty();
+    if (in_sweep && has_nothing) store_.discard(std::exchange(capture_, {}));
+  } catch (const std::exception& error) {
+    log_warning(error.what());
+  }
+  if (run_ != Run::once) return;
+  const std::string kept =
+      capture_.empty() ? "nothing was kept"
+                       : "the sweep is kept in " + capture_folder().string() + " (" + frames_text(frames_stored_) + ")";
+  log_note("stopped before a panorama was made; " + kept);
+}
+
 std::string CaptureSession::why_so_few() const {
   if (!storage_problem_.empty()) return storage_problem_;
   if (end_reason_ != kEndedByButton && end_reason_ != kFull) return end_reason_;
@@ -470,8 +493,10 @@ void CaptureSession::serve_follower() {
 }
 
 void CaptureSession::serve_end_request() {
+  if (stopping_) return;  // a single run is over
   handle(Event::shutdown, "shutting down");
   stopping_ = true;
+  interrupted_ = true;
   if (run_ != Run::service) exit_status_ = 1;
 }
 

@@ -79,6 +79,7 @@ class CaptureSession {
   void finish_build(const BuildEnd& end);
   void continue_after_sweep();
   std::string why_so_few() const;
+  void leave_in_order();
   void fail_build(const std::string& reason, bool retry);
   BuildCommand build_command(bool follows) const;
   void follow(const std::string& stored_file);
@@ -135,6 +136,7 @@ class CaptureSession {
   int64_t sweep_begin_ns_ = 0, sweep_end_ns_ = 0, next_tick_ns_ = 0, next_button_try_ns_ = 0, rest_at_ns_ = 0,
           next_guidance_ns_ = 0;
   bool stopping_ = false;
+  bool interrupted_ = false;  // stopping because it was asked to
   int64_t ignored_told_ = 0;  // malformed messages, when they were last spoken of
   int exit_status_ = 0;
   std::string last_failure_;

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "button.h"
@@ -55,11 +56,31 @@ std::string quoted(const std::vector<std::string>& texts) {
   return "[" + list + "]";
 }
 
+bool is_directory_at(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::is_directory(path, error);
+}
+
 void check_output(const std::string& folder) {
   std::error_code error;
   if (folder.empty()) throw std::runtime_error("is empty: give the folder of the captures and panoramas");
   if (std::filesystem::exists(folder, error) && !std::filesystem::is_directory(folder, error))
     throw std::runtime_error("'" + folder + "' is no folder: give one, or remove that");
+}
+
+void check_camera_is_there(const std::string& camera) {
+  check_camera(camera);
+  const Url url(camera);
+  if (url.scheme() == "folder" && !is_directory_at(url.path()))
+    throw std::runtime_error("'" + url.text() + "': there is no folder '" + url.path() + "'");
+}
+
+void check_button_is_there(const std::string& button) {
+  check_button(button);
+  const Url url(button);
+  std::error_code error;
+  if (url.scheme() == "script" && (is_directory_at(url.path()) || !std::filesystem::exists(url.path(), error)))
+    throw std::runtime_error("'" + url.text() + "': there is no file '" + url.path() + "'");
 }
 
 void check_program(const std::string& program) {
@@ -112,14 +133,17 @@ Key list_key(std::string name, std::string comment, std::vector<std::string> Con
 }
 
 template <typename Number>
-Key number_key(std::string name, std::string comment, Number Config::*field, NumberRange range) {
+Key number_key(std::string name, std::string comment, Number Config::*field, NumberRange range,
+               bool or_zero = false) {
   constexpr bool kWhole = std::is_integral_v<Number>;
   return {std::move(name), std::move(comment),
           [=](const toml::node& node, Config& config, const Complain& complain) {
             const auto value = kWhole && !node.is_integer() ? std::nullopt : node.value<double>();
-            if (!value || !std::isfinite(*value) || *value < range.low || *value > range.high) {
-              return complain(node, std::string("expected a ") + (kWhole ? "whole " : "") + "number from " +
-                                        plain(range.low) + " to " + plain(range.high));
+            const bool is_within = value && std::isfinite(*value) && *value >= range.low && *value <= range.high;
+            if (!is_within && !(or_zero && value == 0.0)) {
+              return complain(node, std::string("expected ") + (or_zero ? "0 or " : "") + "a " +
+                                        (kWhole ? "whole " : "") + "number from " + plain(range.low) + " to " +
+                                        plain(range.high));
             }
             config.*field = static_cast<Number>(*value);
           },
@@ -150,6 +174,10 @@ Key mode_key() {
           }};
 }
 
+// Of the build's data, MiB. Up to 3 its libraries cannot be loaded, up to 16 its threads cannot be started; from 20 on it
+// says itself what is too little, and from 32 on it builds five small pictures.
+constexpr double kLeastMemoryLimit_mib = 64;
+
 // In the order in which they are printed.
 const std::vector<Key>& all_keys() {
   static const std::vector<Key> keys = {
@@ -177,7 +205,8 @@ const std::vector<Key>& all_keys() {
       flag_key("build.follow", "whether poses are found while the arm still moves", &Config::follow),
       text_key("build.program", "empty: the ldp beside ldpd", &Config::program, check_program),
       number_key("build.threads", "0 = all cores", &Config::threads, {0, 256}),
-      number_key("build.memory_limit_mib", "of the build's process; 0 = none", &Config::memory_limit_mib, {0, 1e6}),
+      number_key("build.memory_limit_mib", "of the build's process, at least 64; 0 = none", &Config::memory_limit_mib,
+                 {kLeastMemoryLimit_mib, 1e6}, true),
       number_key("build.niceness", "0 = as important as everything else, 19 = least", &Config::niceness, {0, 19}),
       list_key("build.options", "further options of ldp build", &Config::options),
   };
@@ -192,12 +221,16 @@ class Reader {
     for (const Key& key : all_keys()) keys_[key.name] = &key;
   }
 
-  void read_all(const toml::table& table) {
+  void read_all(const toml::table& table, Inputs inputs) {
     read(table, "");
     const Config& config = checked_.config;
-    const std::string wrong = wrong_mode(config);
+    const std::string wrong = are_right({"button", "sweep.mode"}) ? wrong_mode(config) : "";
     if (!wrong.empty()) checked_.mistakes.push_back({lines_["sweep.mode"], "sweep.mode: " + wrong});
-    if (config.max_frames < config.min_frames) {
+    if (inputs == Inputs::must_exist) {
+      check_input("camera", check_camera_is_there, config.camera);
+      check_input("button", check_button_is_there, config.button);
+    }
+    if (are_right({"sweep.max_frames", "sweep.min_frames"}) && config.max_frames < config.min_frames) {
       checked_.mistakes.push_back({std::max(lines_["sweep.max_frames"], lines_["sweep.min_frames"]),
                                    "sweep.max_frames is smaller than sweep.min_frames"});
     }
@@ -220,8 +253,19 @@ class Reader {
       lines_[full] = line_of(node.source());
       key->second->read(node, checked_.config, [&](const toml::node& where, const std::string& what) {
         add(where.source(), full + ": " + what);
+        wrong_.insert(full);
       });
     }
+  }
+
+  // Values that could not be read would be compared as their defaults.
+  bool are_right(std::initializer_list<const char*> keys) const {
+    return std::none_of(keys.begin(), keys.end(), [this](const char* key) { return wrong_.contains(key); });
+  }
+
+  void check_input(const char* key, Check check, const std::string& url) {
+    const std::string missing = are_right({key}) ? complaint_of(check, url) : "";
+    if (!missing.empty()) checked_.mistakes.push_back({lines_[key], std::string(key) + ": " + missing});
   }
 
   void add(const toml::source_region& source, std::string text) {
@@ -231,6 +275,7 @@ class Reader {
   CheckedConfig& checked_;
   std::map<std::string, const Key*> keys_;
   std::map<std::string, int> lines_;  // of the keys that are there
+  std::set<std::string> wrong_;       // of them, those whose values are mistakes
 };
 
 }  // namespace
@@ -244,24 +289,25 @@ std::filesystem::path program_of(const Config& config) {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "ldp";
 }
 
-std::vector<ConfigMistake> wrong_values(const Config& config) {
+std::vector<ConfigMistake> wrong_values(const Config& config, Inputs inputs) {
   std::vector<ConfigMistake> mistakes;
   const auto add = [&](const std::string& name, const std::string& wrong) {
     if (!wrong.empty()) mistakes.push_back({0, name + ": " + wrong});
   };
-  add("camera", complaint_of(check_camera, config.camera));
-  add("button", complaint_of(check_button, config.button));
+  const bool must_exist = inputs == Inputs::must_exist;
+  add("camera", complaint_of(must_exist ? check_camera_is_there : check_camera, config.camera));
+  add("button", complaint_of(must_exist ? check_button_is_there : check_button, config.button));
   add("mode", wrong_mode(config));
   for (const std::string& status : config.status) add("status", complaint_of(check_status, status));
   add("output", complaint_of(check_output, config.output));
   return mistakes;
 }
 
-CheckedConfig parse_config(const std::string& toml_text) {
+CheckedConfig parse_config(const std::string& toml_text, Inputs inputs) {
   CheckedConfig checked;
   try {
     const toml::table table = toml::parse(toml_text);
-    Reader(checked).read_all(table);
+    Reader(checked).read_all(table, inputs);
   } catch (const toml::parse_error& error) {
     checked.mistakes.push_back({line_of(error.source()), std::string(error.description())});
   }
@@ -270,13 +316,13 @@ CheckedConfig parse_config(const std::string& toml_text) {
   return checked;
 }
 
-CheckedConfig read_config(const std::filesystem::path& file) {
+CheckedConfig read_config(const std::filesystem::path& file, Inputs inputs) {
   std::ifstream in(file);
   in.peek();  // a folder fails here; an empty file is a good one
   if (!in.is_open() || in.bad()) return {{}, {{0, "cannot read the file"}}};
   std::ostringstream text;
   text << in.rdbuf();
-  return parse_config(text.str());
+  return parse_config(text.str(), inputs);
 }
 
 std::string config_text(const Config& config) {

@@ -33,7 +33,7 @@ struct Config {
   bool follow = true;          // poses are found while the arm moves
   std::string program;         // empty: ldp beside ldpd
   int threads = 0;             // 0 = all
-  int memory_limit_mib = 512;  // of the process, 0 = none
+  int memory_limit_mib = 512;  // of the process, at least 64, 0 = none
   int niceness = 10;
   std::vector<std::string> options;
 };
@@ -48,6 +48,9 @@ struct CheckedConfig {
   std::vector<ConfigMistake> mistakes;  // in the order of the file
 };
 
+// The folder of a folder: camera and the file of a script: button. A service that starts waits for them.
+enum class Inputs : uint8_t { may_be_missing, must_exist };
+
 // The mode that was given, otherwise hold where the button tells when it is let go, and toggle where it does not.
 ButtonMode mode_of(const Config& config);
 
@@ -56,10 +59,10 @@ std::filesystem::path program_of(const Config& config);
 
 // What the command line, too, can say wrongly: the URLs of the devices, a mode that the button cannot do, the output
 // folder; line 0. Devices need not be there, and no network be up.
-std::vector<ConfigMistake> wrong_values(const Config& config);
+std::vector<ConfigMistake> wrong_values(const Config& config, Inputs inputs = Inputs::may_be_missing);
 
-CheckedConfig parse_config(const std::string& toml_text);
-CheckedConfig read_config(const std::filesystem::path& file);
+CheckedConfig parse_config(const std::string& toml_text, Inputs inputs = Inputs::may_be_missing);
+CheckedConfig read_config(const std::filesystem::path& file, Inputs inputs = Inputs::may_be_missing);
 
 std::string config_text(const Config& config);  // as TOML, comments included; parse_config gives it back
 

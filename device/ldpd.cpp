@@ -46,13 +46,17 @@ void declare(CLI::App& app, Arguments& arguments) {
                "print the configuration as it holds, with comments, and exit");
 }
 
+ldp::Inputs inputs_of(const Arguments& arguments) {
+  return arguments.check_config ? ldp::Inputs::must_exist : ldp::Inputs::may_be_missing;
+}
+
 // Mistakes in it go to standard error, one a line. False if there are any.
 bool read_configuration(const Arguments& arguments, ldp::Config& config) {
   std::optional<std::string> file = arguments.config_file;
   if (!file && std::filesystem::exists(kDefaultConfig)) file = kDefaultConfig;
   bool good = true;
   if (file) {
-    const ldp::CheckedConfig checked = ldp::read_config(*file);
+    const ldp::CheckedConfig checked = ldp::read_config(*file, inputs_of(arguments));
     for (const ldp::ConfigMistake& mistake : checked.mistakes) {
       const std::string line = mistake.line > 0 ? ":" + std::to_string(mistake.line) : "";
       std::fprintf(stderr, "%s%s: %s\n", file->c_str(), line.c_str(), mistake.text.c_str());
@@ -71,7 +75,7 @@ bool read_configuration(const Arguments& arguments, ldp::Config& config) {
 int serve(const Arguments& arguments) {
   ldp::Config config;
   if (!read_configuration(arguments, config)) return kBadConfiguration;
-  const std::vector<ldp::ConfigMistake> wrong = ldp::wrong_values(config);
+  const std::vector<ldp::ConfigMistake> wrong = ldp::wrong_values(config, inputs_of(arguments));
   for (const ldp::ConfigMistake& mistake : wrong) std::fprintf(stderr, "ldpd: --%s\n", mistake.text.c_str());
   if (!wrong.empty()) return kBadArguments;
   if (const auto program = ldp::program_of(config); !std::filesystem::exists(program)) {

@@ -350,6 +350,45 @@ TEST_F(LdpdTest, ASignalInMidSweepIsNotTakenForTheButton) {
   EXPECT_THAT(text_of(capture() / "capture.json"), HasSubstr("\"end_reason\": \"shutting down\""));
 }
 
+TEST_F(LdpdTest, AnInterruptedSingleRunTellsWhatIsKept) {
+  const auto interrupt = [&](const std::string& when, const std::string& log, const std::string& camera = "") {
+    Process service(command({"--once"}, camera), room_ / log);
+    EXPECT_TRUE(service.says(when)) << log;
+    const Finished end = service.stop(SIGINT);
+    EXPECT_EQ(end.status, 1) << log;
+    EXPECT_THAT(end.said, HasSubstr("stopped before a panorama was made; ")) << log;
+    return end.said;
+  };
+  const auto kept = [&](int number) {
+    return "the sweep is kept in " + capture(number).string() + " (" + std::to_string(frames_in(capture(number))) +
+           " frames)\n";
+  };
+  script("wait 600000");
+  EXPECT_THAT(interrupt("ready", "idle"), HasSubstr("made; nothing was kept\n"));
+  script("press wait 600000 release");
+  EXPECT_THAT(interrupt("capturing", "nothing", "&stall_after=0"), HasSubstr("made; nothing was kept\n"));
+  EXPECT_FALSE(fs::exists(capture(1)));
+  const std::string in_sweep = interrupt("stored: 2", "in_sweep");
+  EXPECT_THAT(in_sweep, HasSubstr(kept(2)));
+  EXPECT_GE(frames_in(capture(2)), 2);
+  build_program("echo '0.5 poses' >&3; sleep 600");
+  const std::string in_build = interrupt("building sweep_000003: poses", "in_build", "&hold=no");
+  EXPECT_THAT(in_build, HasSubstr(kept(3)));
+  EXPECT_GE(frames_in(capture(3)), 4);
+}
+
+TEST_F(LdpdTest, AServiceStoppedInABuildOfAnEarlierSweepKeepsIt) {
+  script("press wait 600000 release");
+  build_program("echo '0.5 poses' >&3; sleep 600");
+  for (const char* const log : {"first", "second"}) {
+    if (log == std::string("second")) script("wait 600000");
+    Process service(command({"--status", "console:"}, "&hold=no"), room_ / log);
+    EXPECT_TRUE(service.says("building sweep_000001: poses"));
+    EXPECT_THAT(service.stop(SIGTERM).said, Not(HasSubstr("stopped before")));
+    EXPECT_GE(frames_in(capture()), 4);
+  }
+}
+
 TEST_F(LdpdTest, AKeyboardKnowsPressesOnly) {
   std::vector<std::string> words = command({"--mode", "hold"});
   words[6] = "keyboard:";
@@ -411,10 +450,22 @@ TEST_F(LdpdTest, EmptyNamesAreRefusedAndDoNotMeanTheDefaults) {
   EXPECT_EQ(refused("--config").status, 78);
 }
 
+TEST_F(LdpdTest, TheCheckNamesAMissingFolderAndAMissingScript) {
+  fs::remove(room_ / "script");
+  const Finished told = Process(command({"--check-config"}), room_ / "told").wait();
+  EXPECT_EQ(told.status, 2);
+  EXPECT_THAT(told.said, HasSubstr("--button: 'script:" + (room_ / "script").string() + "': there is no file"));
+  std::ofstream(room_ / "ldpd.toml", std::ios::trunc) << "\ncamera = 'folder:/nowhere'\n";
+  const Finished read =
+      Process({LDPD_PROGRAM, "--config", (room_ / "ldpd.toml").string(), "--check-config"}, room_ / "read").wait();
+  EXPECT_EQ(read.status, 78);
+  EXPECT_THAT(read.said, HasSubstr("ldpd.toml:2: camera: 'folder:/nowhere': there is no folder '/nowhere'"));
+}
+
 TEST_F(LdpdTest, WithoutAnLdpBesideItAProgramHasToBeNamed) {
   const fs::path alone = room_ / "alone";
   fs::copy_file(LDPD_PROGRAM, alone);
-  std::vector<std::string> words{alone.string(), "--check-config", "--button", "script:a", "--output", room_.string()};
+  std::vector<std::string> words{alone.string(), "--check-config", "--output", room_.string()};
   const Finished run = Process(words, room_ / "said").wait();
   EXPECT_EQ(run.status, 78);
   EXPECT_THAT(run.said, HasSubstr("there is no " + (room_ / "ldp").string() + ": install ldp there, or name"));

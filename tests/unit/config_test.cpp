@@ -84,6 +84,48 @@ TEST(Config, WhatUrlsOutputAndProgramSayWronglyIsNamedWithItsLine) {
   EXPECT_TRUE(parse_config("build.program = '/bin/sh'\noutput = '/nowhere/yet'").mistakes.empty());
 }
 
+TEST(Config, WhatWasNotReadIsNotComparedByItsDefault) {
+  const CheckedConfig frames = parse_config("[sweep]\nmax_frames = 'many'\nmin_frames = 500\n");
+  ASSERT_EQ(frames.mistakes.size(), 1U) << frames.mistakes[1].text;
+  EXPECT_EQ(frames.mistakes[0].line, 2);
+  const CheckedConfig button = parse_config("button = 'keyboard:?bias=up'\n[sweep]\nmode = 'hold'\n");
+  ASSERT_EQ(button.mistakes.size(), 1U) << button.mistakes[1].text;
+  EXPECT_EQ(button.mistakes[0].line, 1);
+  const CheckedConfig left_out = parse_config("[sweep]\nmin_frames = 500\n");
+  ASSERT_EQ(left_out.mistakes.size(), 1U);
+  EXPECT_THAT(left_out.mistakes[0].text, HasSubstr("sweep.max_frames is smaller"));
+}
+
+TEST(Config, AMemoryLimitLeavesTheBuildEnoughToStart) {
+  for (const char* const good : {"0", "64", "512"}) {
+    EXPECT_TRUE(parse_config(std::string("[build]\nmemory_limit_mib = ") + good).mistakes.empty()) << good;
+  }
+  for (const char* const bad : {"1", "63", "-1"}) {
+    const CheckedConfig checked = parse_config(std::string("[build]\nmemory_limit_mib = ") + bad);
+    ASSERT_EQ(checked.mistakes.size(), 1U) << bad;
+    EXPECT_EQ(checked.mistakes[0].line, 2);
+    EXPECT_THAT(checked.mistakes[0].text, HasSubstr("build.memory_limit_mib: expected 0 or a whole number from 64 to"));
+  }
+}
+
+TEST(Config, AMissingFolderOrScriptIsNamedWithItsLineWhereItMustExist) {
+  const std::string missing = "output = '/tmp'\ncamera='folder:/nowhere?fps=5'\nbutton='script:/nowhere/turn'\n";
+  EXPECT_TRUE(parse_config(missing).mistakes.empty()) << "a service waits for them";
+  const CheckedConfig checked = parse_config(missing, Inputs::must_exist);
+  ASSERT_EQ(checked.mistakes.size(), 2U);
+  EXPECT_EQ(checked.mistakes[0].line, 2);
+  EXPECT_EQ(checked.mistakes[0].text, "camera: 'folder:/nowhere?fps=5': there is no folder '/nowhere'");
+  EXPECT_EQ(checked.mistakes[1].line, 3);
+  EXPECT_EQ(checked.mistakes[1].text, "button: 'script:/nowhere/turn': there is no file '/nowhere/turn'");
+  const auto mistakes = [](const std::string& text) { return parse_config(text, Inputs::must_exist).mistakes.size(); };
+  EXPECT_EQ(mistakes("camera='folder:/dev/null'\nbutton='script:/dev'"), 2U);
+  EXPECT_EQ(mistakes("camera='folder:/dev'\nbutton='script:/dev/null'"), 0U);
+  EXPECT_EQ(mistakes("camera='folder:/nowhere?fsp=5'\n"), 1U) << "one value, one mistake";
+  EXPECT_EQ(mistakes("camera='v4l2:/dev/nowhere'\nbutton='gpiod:nowhere/1'"), 0U) << "devices come and go";
+  EXPECT_EQ(wrong_values(checked.config).size(), 0U);
+  EXPECT_EQ(wrong_values(checked.config, Inputs::must_exist).size(), 2U);
+}
+
 TEST(Config, AModeThatNobodyGaveIsWhatTheButtonCan) {
   const auto mode = [](const std::string& text) {
     const CheckedConfig checked = parse_config(text);
