@@ -133,8 +133,7 @@ Key list_key(std::string name, std::string comment, std::vector<std::string> Con
 }
 
 template <typename Number>
-Key number_key(std::string name, std::string comment, Number Config::*field, NumberRange range,
-               bool or_zero = false) {
+Key number_key(std::string name, std::string comment, Number Config::*field, NumberRange range, bool or_zero = false) {
   constexpr bool kWhole = std::is_integral_v<Number>;
   return {std::move(name), std::move(comment),
           [=](const toml::node& node, Config& config, const Complain& complain) {
@@ -174,8 +173,8 @@ Key mode_key() {
           }};
 }
 
-// Of the build's data, MiB. Up to 3 its libraries cannot be loaded, up to 16 its threads cannot be started; from 20 on it
-// says itself what is too little, and from 32 on it builds five small pictures.
+// Of the build's data, MiB. Up to 3 its libraries cannot be loaded, up to 16 its threads cannot be started; from 20 on
+// it says itself what is too little, and from 32 on it builds five small pictures.
 constexpr double kLeastMemoryLimit_mib = 64;
 
 // In the order in which they are printed.
