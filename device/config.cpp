@@ -173,8 +173,9 @@ Key mode_key() {
           }};
 }
 
-// Of the build's data, MiB. Up to 3 its libraries cannot be loaded, up to 16 its threads cannot be started; from 20 on
-// it says itself what is too little, and from 32 on it builds five small pictures.
+// Of the build's data, MiB, stacks of its threads included. With 2 its libraries cannot be loaded, with 8 it is
+// aborted; from 12 on it tells the failure itself. With 64 it makes a panorama of five small pictures with four
+// threads, not with eight.
 constexpr double kLeastMemoryLimit_mib = 64;
 
 // In the order in which they are printed.
