@@ -74,7 +74,8 @@ int run(const Program& program) {
   } catch (const std::bad_alloc&) {
     return complain(program, out_of_memory(program), kCannotBeDone);
   } catch (const std::system_error& error) {
-    return complain(program, error.what(), kCannotBeDone);
+    const bool no_stack = error.code() == std::errc::resource_unavailable_try_again;  // for one more thread
+    return complain(program, no_stack ? out_of_memory(program) + ", or fewer --threads" : error.what(), kCannotBeDone);
   } catch (const std::invalid_argument& error) {
     return complain(program, error.what(), kBadInput);
   } catch (const std::runtime_error& error) {

@@ -136,6 +136,7 @@ void OutputFolder::fill(const std::function<void()>& write) const {
   } catch (const std::system_error& error) {
     std::string text = error.what();
     const std::string partial = partial_.string();
+    if (text.find(partial) == std::string::npos) throw;
     for (size_t at = 0; (at = text.find(partial, at)) != std::string::npos; at += shown_.string().size())
       text.replace(at, partial.size(), shown_.string());
     throw Impossible(text);
