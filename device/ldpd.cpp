@@ -78,14 +78,15 @@ int serve(const Arguments& arguments) {
   const std::vector<ldp::ConfigMistake> wrong = ldp::wrong_values(config, inputs_of(arguments));
   for (const ldp::ConfigMistake& mistake : wrong) std::fprintf(stderr, "ldpd: --%s\n", mistake.text.c_str());
   if (!wrong.empty()) return kBadArguments;
+  if (arguments.print_config) std::fputs(ldp::config_text(config).c_str(), stdout);
+  if (arguments.print_config && !arguments.check_config) return 0;
   if (const auto program = ldp::program_of(config); !std::filesystem::exists(program)) {
     std::fprintf(stderr,
                  "ldpd: build.program: there is no %s: install ldp there, or name its path in the configuration\n",
                  program.c_str());
     return kBadConfiguration;
   }
-  if (arguments.print_config) std::fputs(ldp::config_text(config).c_str(), stdout);
-  if (arguments.print_config || arguments.check_config) return 0;
+  if (arguments.check_config) return 0;
   ldp::CaptureSession session(config, arguments.once ? ldp::Run::once : ldp::Run::service);
   return session.run();
 }

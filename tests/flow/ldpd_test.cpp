@@ -469,6 +469,7 @@ TEST_F(LdpdTest, WithoutAnLdpBesideItAProgramHasToBeNamed) {
   const Finished run = Process(words, room_ / "said").wait();
   EXPECT_EQ(run.status, 78);
   EXPECT_THAT(run.said, HasSubstr("there is no " + (room_ / "ldp").string() + ": install ldp there, or name"));
+  EXPECT_EQ(Process({alone.string(), "--print-config"}, room_ / "said").wait().status, 0);
   std::ofstream(room_ / "ldpd.toml") << "[build]\nprogram = '" << LDPD_PROGRAM << "'\n";
   words.insert(words.end(), {"--config", (room_ / "ldpd.toml").string()});
   EXPECT_EQ(Process(words, room_ / "said").wait().status, 0);
