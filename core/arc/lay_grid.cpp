@@ -55,7 +55,7 @@ double nearest_depth(const Arc& arc, const std::vector<Camera>& cameras) {
   return 2 * stray;
 }
 
-// Of the nearest things that enough points surely lie on; 0 where there are not as many.
+// Inverse depth of the nearest thing that enough points surely lie on; 0 where there are not as many.
 double nearest_for_sure(std::vector<double>& sure, size_t points) {
   const size_t fewest = std::max(kFewestSure, static_cast<size_t>(kSureShare * static_cast<double>(points)));
   if (sure.size() < fewest) return 0;

@@ -20,7 +20,8 @@ namespace ldp {
 std::vector<Camera> read_transforms(const std::filesystem::path& file);
 std::vector<Camera> parse_transforms(std::string_view json, const std::string& name_for_errors);
 
-// Intrinsics that all cameras share are written once; `software` tells who wrote them. Numbers are written so that reading gives the same doubles back.
+// Intrinsics that all cameras share are written once; `software` tells who wrote them. Numbers are written so that
+// reading gives the same doubles back.
 void write_transforms(const std::filesystem::path& file, std::span<const Camera> cameras);
 std::string transforms_json(std::span<const Camera> cameras);
 

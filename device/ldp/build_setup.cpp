@@ -42,6 +42,12 @@ void check_lenses(const std::vector<Camera>& cameras, const std::string& file) {
   }
 }
 
+// The horizontal one of turned photos, of that of the photos as they are stored.
+double turned_fov(double fov_rad, int turn_deg, ImageSize turned) {
+  if (turn_deg % 180 == 0) return fov_rad;
+  return 2 * std::atan(std::tan(fov_rad / 2) * turned.width / turned.height);
+}
+
 }  // namespace
 
 void add_capture_options(CLI::App& command, BuildSetup& setup) {
@@ -104,16 +110,6 @@ FolderFrames open_frames(const BuildSetup& setup) {
   folder.orientation = kOrientations[static_cast<size_t>(setup.turn_deg / 90)];
   return FolderFrames(setup.capture, folder);
 }
-
-namespace {
-
-// Of photos as they are stored, by their size when turned.
-double turned_fov(double fov_rad, int turn_deg, ImageSize turned) {
-  if (turn_deg % 180 == 0) return fov_rad;
-  return 2 * std::atan(std::tan(fov_rad / 2) * turned.width / turned.height);
-}
-
-}  // namespace
 
 PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes, const FolderFrames& frames) {
   PosesOptions options = setup.build.poses;
