@@ -319,6 +319,7 @@ class Build {
       report_.solves.push_back({name, labelling.report});
       pictures_.sources("sources layer " + std::to_string(k + 1), labelling.labels);
       drop_colourless(labelling.labels, layers_[k]);
+      witnesses_.push_back(candidates.witnesses(labelling.labels, job_));
       sources_.push_back(std::move(labelling.labels));
     }
     std::vector<VisibilityMap>().swap(visibility_);
@@ -396,14 +397,15 @@ class Build {
   }
 
   void fetch(std::vector<Layer>& layers) {
-    Photographs photographs{frames_, poses_.cameras, poses_.frame_of_camera, {}, noise_range(upright_, {})};
+    Photographs photographs{frames_, poses_.cameras, poses_.frame_of_camera, {}};
     for (size_t i = 0; i < upright_.size(); ++i) {
       photographs.gains.push_back(upright_[i].gain);
       report_.gains[poses_.cameras[i].name] = upright_[i].gain;
     }
     std::vector<UprightFrame>().swap(upright_);  // the colours need their memory
     std::vector<ColourTask> tasks;
-    for (size_t k = 0; k < layers.size(); ++k) tasks.push_back({&layers_[k], &sources_[k], &layers[k].colour});
+    for (size_t k = 0; k < layers.size(); ++k)
+      tasks.push_back({&layers_[k], &sources_[k], &layers[k].colour, &witnesses_[k]});
     fetch_colours(grid_, photographs, tasks, {}, job_);
     watch_.lap("colour");
   }
@@ -432,8 +434,8 @@ class Build {
   std::vector<UprightFrame> upright_;
   bool last_ = true;  // is this the last iteration?
   std::vector<DisparityMap> layers_;
-  std::vector<VisibilityMap> visibility_;  // of all layers; empty for one far layer
-  std::vector<Plane<uint8_t>> sources_;
+  std::vector<VisibilityMap> visibility_;            // of all layers; empty for one far layer
+  std::vector<Plane<uint8_t>> sources_, witnesses_;  // of the colours
 };
 
 }  // namespace

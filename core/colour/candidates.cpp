@@ -44,17 +44,6 @@ struct Middle {
 
 }  // namespace
 
-int noise_range(const std::vector<UprightFrame>& frames, const ColourOptions& options) {
-  constexpr int kLeast = 3;
-  std::vector<float> noise;
-  for (const UprightFrame& frame : frames) noise.push_back(frame.noise);
-  if (noise.empty()) return 0;
-  const auto middle = noise.begin() + static_cast<std::ptrdiff_t>(noise.size() / 2);
-  std::nth_element(noise.begin(), middle, noise.end());
-  const int range = static_cast<int>(options.noise_range * *middle);
-  return range < kLeast ? 0 : range;
-}
-
 SourceCandidates::SourceCandidates(const PanoramaGrid& grid, const DisparityMap& layer,
                                    const std::vector<UprightFrame>& frames,
                                    const std::vector<VisibilityMap>& visibility, const ColourOptions& options)
@@ -152,6 +141,23 @@ int SourceCandidates::collect(int x, int y, bool through, uint8_t frame[16], uin
     cost[k] = static_cast<uint16_t>(std::min(found[static_cast<size_t>(k)].cost, 65534));
   }
   return count;
+}
+
+Plane<uint8_t> SourceCandidates::witnesses(const Plane<uint8_t>& source, const Job& job) const {
+  Plane<uint8_t> seen_by(source.width, source.height, 0);
+  parallel_for(job, source.height, [&](int y) {
+    for (int x = 0; x < source.width; ++x) {
+      const int own = source.at(x, y);
+      if (own == kNoSource) continue;
+      const double w = grid_.inverse_depth(layer_.at(x, y));
+      int bits = 0;
+      for (int other = std::max(0, own - kBeside); other <= std::min(frames() - 1, own + kBeside); ++other)
+        if (other != own && candidate(static_cast<uint8_t>(other), x, y, w, false).cost >= 0)
+          bits |= 1 << witness_bit(other - own);
+      seen_by.at(x, y) = static_cast<uint8_t>(bits);
+    }
+  });
+  return seen_by;
 }
 
 // Most cameras see the voxel's own surface: one that sees another, or a mixture of two, stands out. Of two cameras

@@ -4,9 +4,10 @@
 // the candidates that the cut chooses from, and colours.
 // How: a candidate sees the voxel; it costs the angle between the panorama's ray and the camera's, more where the
 // sample may be mixed with a nearer object's edge, and more where it differs from what most of them see. Colours are
-// read from the photograph itself (one resampling), few photographs in memory at a time; noisy ones are averaged
-// with those taken beside them, as far as noise explains their difference; what steps remain between photographs are
-// spread over the surfaces on both sides. Does not solve for the choice (solve.h).
+// read from the photographs themselves (one resampling), few of them in memory at a time: where three or more of the
+// chosen one and those taken beside it see the voxel, what they agree on, with the brightness of the chosen one
+// (agreement.h). What steps remain between photographs are spread over the surfaces on both sides. Does not solve for
+// the choice (solve.h).
 #pragma once
 
 #include <array>
@@ -27,6 +28,12 @@ namespace ldp {
 
 constexpr uint8_t kNoSource = 255;
 
+// The photographs that are asked what they show of a pixel, beside its own: those taken just before and after it.
+constexpr int kBeside = 3, kWitnesses = 2 * kBeside;
+
+// Which of them is the one taken `offset` later (-kBeside .. kBeside, not 0).
+constexpr int witness_bit(int offset) { return offset < 0 ? offset + kBeside : offset + kBeside - 1; }
+
 struct ColourOptions {
   double mixed_px = 1.5;      // a sample so close to a nearer surface may be mixed with it
   double mixed_deg = 8;       // what that costs
@@ -34,14 +41,9 @@ struct ColourOptions {
   double disagree_deg = 2.5;  // what each level beyond noise costs by which a sample differs from the median, of
                               // three candidates or more
   int seam_cell_px = 16;      // seams are spread in cells of this size
-  double noise_range = 6;     // samples of one surface differ by at most so many deviations of the photographs' noise
   bool guess_hidden = false;  // a pixel that every camera has hidden takes what lies in front of it
   bool even_seams = true;
 };
-
-// Levels by which noise lets samples of one surface differ from photograph to photograph; 0 where it is so little that
-// one photograph is as good as several.
-int noise_range(const std::vector<UprightFrame>& frames, const ColourOptions& options);
 
 // The frames that see each pixel of one layer (paper equation 7). What is referred to and not empty must outlive it.
 class SourceCandidates final : public ColourCosts {
@@ -56,6 +58,9 @@ class SourceCandidates final : public ColourCosts {
   int candidates(int x, int y, uint8_t frame[16], uint16_t cost[16]) const override;
   uint8_t depth_label(int x, int y) const override;
   bool present(int x, int y) const override { return layer_.at(x, y) != kNoDisparity; }
+
+  // Of each pixel that is taken from photograph `source`: which of those beside it see the voxel too, by witness_bit.
+  Plane<uint8_t> witnesses(const Plane<uint8_t>& source, const Job& job) const;
 
  private:
   struct Seen {
@@ -89,14 +94,14 @@ struct Photographs {
   const std::vector<Camera>& cameras;
   const std::vector<int>& frame_of_camera;
   std::vector<Gain> gains;  // per camera
-  int noise_range = 0;      // see noise_range(); 0 = each pixel is taken from one photograph alone
 };
 
 // One layer's choice of photographs (kNoSource = none) and where its colours go.
 struct ColourTask {
   const DisparityMap* disparity = nullptr;
   const Plane<uint8_t>* source = nullptr;
-  RgbImage* colour = nullptr;  // sized like the grid
+  RgbImage* colour = nullptr;                 // sized like the grid
+  const Plane<uint8_t>* witnesses = nullptr;  // of each pixel; null = every pixel's own photograph alone
 };
 
 // Fills the colours of all layers, reading each photograph once.

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "agreement.h"
 #include "colour.h"
 #include "photo_sampler.h"
 #include "seams.h"
@@ -12,6 +13,7 @@ namespace ldp {
 namespace {
 
 constexpr int kRowsAtOnce = 16;
+constexpr int kCompareEvery = 4;  // pixels, both ways: enough to compare photographs' brightness
 constexpr int kSameSurface = kDisparitySteps / (kLabels - 1);
 
 // One pixel of a border, met while its neighbour's photograph is in memory.
@@ -28,6 +30,18 @@ Rgb stored(const Colour& c) {
   return {channel(c[0]), channel(c[1]), channel(c[2])};
 }
 
+// A pixel, and who sees it.
+struct Voxel {
+  int x = 0, y = 0;
+  double w = 0;  // inverse depth
+  uint8_t source = 0, witnesses = 0;
+
+  bool seen_by(int photo) const {
+    const int offset = photo - source;
+    return offset == 0 || (std::abs(offset) <= kBeside && (witnesses >> witness_bit(offset) & 1) != 0);
+  }
+};
+
 // The photographs around the one that is taken from, in memory.
 class OpenPhotographs {
  public:
@@ -43,29 +57,22 @@ class OpenPhotographs {
     if (index >= 0) open_[static_cast<size_t>(index)].reset();
   }
 
-  Colour sample(int index, int x, int y, double w) const {
+  Colour sample(int index, const Voxel& voxel) const {
     const Open& open = *open_[static_cast<size_t>(index)];
-    return open.sampler.sample(open.picture, x, y, w);
+    return open.sampler.sample(open.picture, voxel.x, voxel.y, voxel.w);
   }
 
-  // The mean of a sample of photograph `index` and of what those around it show there, where noise alone tells them
-  // apart. (Another surface that looks the same does no harm.)
-  Colour mean(const Colour& own, int index, int x, int y, double w) const {
-    Colour sum = own;
-    int count = 1;
-    for (int other = std::max(0, index - reach()); other <= std::min(last(), index + reach()); ++other) {
-      if (other == index) continue;
+  // What those around photograph `index` show of a voxel that they see: visit(witness, colour).
+  template <typename Visit>
+  void ask_witnesses(int index, const Voxel& voxel, const Visit& visit) const {
+    const int last = static_cast<int>(open_.size()) - 1;
+    for (int other = std::max(0, index - kBeside); other <= std::min(last, index + kBeside); ++other) {
+      if (other == index || !voxel.seen_by(other)) continue;
       const Open& open = *open_[static_cast<size_t>(other)];
-      const std::optional<Colour> c = open.sampler.sample_if_inside(open.picture, x, y, w);
-      if (!c || !is_noise(*c, own)) continue;
-      for (size_t k = 0; k < sum.size(); ++k) sum[k] += (*c)[k];
-      ++count;
+      if (const auto c = open.sampler.sample_if_inside(open.picture, voxel.x, voxel.y, voxel.w))
+        visit(witness_bit(other - index), *c);
     }
-    for (int& channel : sum) channel = (channel + count / 2) / count;
-    return sum;
   }
-
-  int reach() const { return photographs_.noise_range > 0 ? kReach : 0; }
 
  private:
   struct Open {
@@ -73,18 +80,25 @@ class OpenPhotographs {
     PhotoSampler sampler;
   };
 
-  static constexpr int kReach = 2;  // photographs on either side that are averaged with one
-  int last() const { return static_cast<int>(open_.size()) - 1; }
-
-  bool is_noise(const Colour& a, const Colour& b) const {
-    const int most = photographs_.noise_range * kColourSteps;
-    return std::abs(a[0] - b[0]) <= most && std::abs(a[1] - b[1]) <= most && std::abs(a[2] - b[2]) <= most;
-  }
-
   const PanoramaGrid& grid_;
   const Photographs& photographs_;
   std::vector<std::optional<Open>> open_;  // one per camera
 };
+
+// What photograph `index` and its witnesses agree on.
+Colour agreed_colour(const OpenPhotographs& open, const BrightnessDifferences& differences, int index,
+                     const Voxel& voxel) {
+  const Colour own = open.sample(index, voxel);
+  std::array<Colour, 1 + kWitnesses> samples{own};
+  size_t count = 1;
+  open.ask_witnesses(index, voxel, [&](int witness, const Colour& c) {
+    const auto brighter = differences.at(voxel.x, voxel.y, witness);
+    if (!brighter) return;
+    for (size_t k = 0; k < 3; ++k) samples[count][k] = c[k] - (*brighter)[k];
+    ++count;
+  });
+  return agreed({samples.data(), count});
+}
 
 class LayerFetch {
  public:
@@ -93,19 +107,36 @@ class LayerFetch {
     find_spans();
   }
 
+  // By how much witnesses differ from photograph `index` in rows and columns of a cell that are taken from it.
+  void compare(const OpenPhotographs& open, uint8_t index, int column, int row,
+               std::array<std::vector<Colour>, kWitnesses>& differences) const {
+    constexpr int kCell = BrightnessDifferences::kCellPx;
+    const int x0 = std::max(column * kCell, spans_[index].begin),
+              x1 = std::min((column + 1) * kCell, spans_[index].end);
+    for (int y = row * kCell; y < std::min((row + 1) * kCell, grid_.height); y += kCompareEvery)
+      for (int x = x0 - x0 % kCompareEvery; x < x1; x += kCompareEvery) {
+        if (task_.source->at(x, y) != index) continue;
+        const Voxel voxel = at(x, y);
+        if (voxel.witnesses == 0) continue;
+        const Colour own = open.sample(index, voxel);
+        open.ask_witnesses(index, voxel, [&](int witness, const Colour& c) {
+          differences[static_cast<size_t>(witness)].push_back({c[0] - own[0], c[1] - own[1], c[2] - own[2]});
+        });
+      }
+  }
+
   // What is taken from photograph `index`.
-  void fetch_row(const OpenPhotographs& open, uint8_t index, int y) {
+  void fetch_row(const OpenPhotographs& open, const BrightnessDifferences& differences, uint8_t index, int y) {
     const uint8_t* source = task_.source->row(y);
-    const uint16_t* disparity = task_.disparity->row(y);
     for (int x = spans_[index].begin; x < spans_[index].end; ++x) {
       if (source[x] == kNoSource) continue;
       const bool own = source[x] == index;
       const auto side = own ? std::nullopt : side_of(x, y, index);
       if (!own && !side) continue;
-      const double w = grid_.inverse_depth(disparity[x]);
-      const Colour c = open.sample(index, x, y, w);
+      const Voxel voxel = at(x, y);
+      const Colour c = agreed_colour(open, differences, index, voxel);
       if (own)
-        task_.colour->at(x, y) = stored(open.mean(c, index, x, y, w));
+        task_.colour->at(x, y) = stored(c);
       else
         seams_of_row_[static_cast<size_t>(y)].push_back({x, y, source[x], index, *side, c});
     }
@@ -125,6 +156,11 @@ class LayerFetch {
   struct Span {
     int begin = 0, end = 0;
   };
+
+  Voxel at(int x, int y) const {
+    return {x, y, grid_.inverse_depth(task_.disparity->at(x, y)), task_.source->at(x, y),
+            task_.witnesses ? task_.witnesses->at(x, y) : uint8_t{0}};
+  }
 
   // The columns in which each photograph is taken, and one more on either side.
   void find_spans() {
@@ -163,6 +199,20 @@ class LayerFetch {
   std::vector<std::vector<SeamPixel>> seams_of_row_;
 };
 
+void compare_with_witnesses(const OpenPhotographs& open, const std::vector<LayerFetch>& layers, uint8_t index,
+                            const Job& job, BrightnessDifferences& differences) {
+  differences.clear();
+  parallel_for(job, differences.rows(), [&](int row) {
+    std::array<std::vector<Colour>, kWitnesses> samples;
+    for (int column = 0; column < differences.columns(); ++column) {
+      for (auto& of_witness : samples) of_witness.clear();
+      for (const LayerFetch& layer : layers) layer.compare(open, index, column, row, samples);
+      for (int witness = 0; witness < kWitnesses; ++witness)
+        differences.set(column, row, witness, samples[static_cast<size_t>(witness)]);
+    }
+  });
+}
+
 }  // namespace
 
 void fetch_colours(const PanoramaGrid& grid, const Photographs& photographs, const std::vector<ColourTask>& tasks,
@@ -172,18 +222,19 @@ void fetch_colours(const PanoramaGrid& grid, const Photographs& photographs, con
   const int cameras = static_cast<int>(photographs.cameras.size());
   const int strips = (grid.height + kRowsAtOnce - 1) / kRowsAtOnce;
   OpenPhotographs open(grid, photographs);
-  const int reach = open.reach();
-  for (int next = 0; next <= cameras + reach; ++next) {  // is read while colours are taken from what was read before
-    job.report("colour", static_cast<double>(next) / (cameras + reach + 1));
-    const int index = next - reach - 1;
-    open.close(index - reach - 1);
+  BrightnessDifferences differences(grid);
+  for (int next = 0; next <= cameras + kBeside; ++next) {  // is read while colours are taken from what was read before
+    job.report("colour", static_cast<double>(next) / (cameras + kBeside + 1));
+    const int index = next - kBeside - 1;
+    open.close(index - kBeside - 1);
+    if (index >= 0) compare_with_witnesses(open, layers, static_cast<uint8_t>(index), job, differences);
     parallel_for(job, index >= 0 ? 1 + strips : 1, [&](int task) {
       if (task == 0) {
         if (next < cameras) open.load(next);
         return;
       }
       for (int y = (task - 1) * kRowsAtOnce; y < std::min(grid.height, task * kRowsAtOnce); ++y)
-        for (LayerFetch& layer : layers) layer.fetch_row(open, static_cast<uint8_t>(index), y);
+        for (LayerFetch& layer : layers) layer.fetch_row(open, differences, static_cast<uint8_t>(index), y);
     });
   }
   if (!options.even_seams) return;

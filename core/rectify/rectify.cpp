@@ -11,7 +11,6 @@
 
 #include "exposure.h"
 #include "flatten.h"
-#include "noise.h"
 #include "resample.h"
 
 namespace ldp {
@@ -70,13 +69,11 @@ Plane<uint16_t> red_minus_green(const RgbImage& photo, const Gain& gain) {
 
 struct Planes {
   Plane<uint16_t> grey, tint;
-  float noise = 0;
 };
 
 Planes make_planes(const RgbImage& photo, const Gain& gain, const Job& job) {
   Plane<uint16_t> grey = weighted_grey(photo, gain);
-  const float noise = noise_of(grey);
-  return {flatten(std::move(grey), job), flatten(red_minus_green(photo, gain), job), noise};
+  return {flatten(std::move(grey), job), flatten(red_minus_green(photo, gain), job)};
 }
 
 // The samples of an upright frame. Where its pixels are larger than the photograph's, several places spread over each
@@ -211,7 +208,6 @@ std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<C
     const UprightCamera camera = upright_camera(cameras[k], arc.axis(), frame_of_camera[k], pitch_px);
     upright[k] = make_upright(planes, cameras[k], camera, pitch_px, inside);
     upright[k].gain = gains[k];
-    upright[k].noise = planes.noise;
   });
   return upright;
 }

@@ -33,7 +33,6 @@ struct UprightFrame {
   GreyImage columns, tint;
   std::vector<int16_t> valid_begin, valid_end;
   Gain gain = {1, 1, 1};  // of this photograph to match the others
-  float noise = 0;        // of the photograph's grey from one pixel to the next, deviation in levels
 };
 
 }  // namespace ldp

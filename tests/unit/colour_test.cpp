@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <optional>
 #include <tuple>
 #include <vector>
 
+#include "agreement.h"
 #include "simple_capture.h"
 
 namespace ldp {
@@ -175,50 +177,110 @@ TEST(FetchColours, AppliesTheGainOfEachChannel) {
   EXPECT_EQ(colour.at(50, 30), (Rgb{50, 125, 100}));
 }
 
-// A wall that photographs taken one after another show in these levels, where the panorama takes the one at `chosen`.
-Rgb averaged(const std::vector<uint8_t>& levels, uint8_t chosen, int noise_range, double last_theta = 0) {
+TEST(Agreed, IsTheMeanOfTheMiddleHalfOfEachChannel) {
+  const std::vector<Colour> five = {{0, 10, 7}, {100, 11, 7}, {104, 900, 7}, {105, 12, 7}, {4000, 10, 7}};
+  EXPECT_EQ(agreed(five), (Colour{103, 11, 7}));
+  const std::vector<Colour> seven = {{7, 0, 0}, {1, 0, 0}, {6, 0, 0}, {2, 0, 0}, {9, 0, 0}, {3, 0, 0}, {5, 0, 9}};
+  EXPECT_EQ(agreed(seven), (Colour{5, 0, 0}));  // of 3 5 6
+}
+
+TEST(Agreed, OfTwoThatDifferNeitherIsOutvoted) {
+  const std::vector<Colour> two = {{10, 10, 10}, {90, 90, 90}};
+  EXPECT_EQ(agreed(two), two[0]);
+}
+
+TEST(BrightnessDifferences, AreMediansOfCellsAndBilinearBetweenThem) {
+  PanoramaGrid grid;
+  grid.width = 200, grid.height = 130;
+  BrightnessDifferences differences(grid);
+  ASSERT_EQ(differences.columns(), 4);
+  ASSERT_EQ(differences.rows(), 3);
+  std::vector<Colour> left(9, Colour{-160, 0, 16}), right(9, Colour{320, 0, -16}), few(7, Colour{5000, 5000, 5000});
+  for (size_t i = 0; i < 4; ++i) left[i] = {4000, 4000, -4000};  // of other surfaces
+  differences.set(0, 1, 2, left);
+  differences.set(1, 1, 2, right);
+  differences.set(2, 1, 2, few);
+  const int middle = 64 + 32;
+  EXPECT_EQ(differences.at(0, middle, 2), (Colour{-160, 0, 16}));    // nothing further left
+  EXPECT_EQ(differences.at(127, middle, 2), (Colour{320, 0, -16}));  // what is not known does not count
+  const Colour between = differences.at(63, middle, 2).value();
+  EXPECT_NEAR(between[0], 80 - 4, 2);
+  EXPECT_NEAR(between[2], 0, 1);
+  EXPECT_EQ(differences.at(190, middle, 2), std::nullopt);
+  EXPECT_EQ(differences.at(0, middle, 3), std::nullopt);
+  differences.clear();
+  EXPECT_EQ(differences.at(0, middle, 2), std::nullopt);
+}
+
+TEST(BrightnessDifferences, GoOnAroundAClosedPanorama) {
+  PanoramaGrid grid;
+  grid.width = 256, grid.height = 64;
+  std::vector<Colour> samples(8, Colour{32, 32, 32});
+  for (const bool wraps : {false, true}) {
+    grid.wraps = wraps;
+    BrightnessDifferences differences(grid);
+    differences.set(3, 0, 0, samples);
+    EXPECT_EQ(differences.at(0, 32, 0).has_value(), wraps);
+  }
+}
+
+TEST(Witnesses, AreThePhotographsBesideAPixelsOwnThatSeeItsVoxel) {
   const PanoramaGrid grid = simple_grid(0.5);
   const DisparityMap layer(grid.width, grid.height, 0);
-  const Plane<uint8_t> source(grid.width, grid.height, chosen);
+  std::vector<UprightFrame> frames;
+  std::vector<VisibilityMap> maps;
+  for (int i = 0; i < 6; ++i) {
+    frames.push_back(upright_of(camera_at(0.01 * i), i));
+    maps.push_back(map_of(frames.back(), i == 2 ? 60000 : 0));  // something hides all from the third
+  }
+  frames.push_back(upright_of(camera_at(2.5), 6));  // looks elsewhere
+  maps.push_back(map_of(frames.back(), 0));
+  Plane<uint8_t> source(grid.width, grid.height, kNoSource);
+  source.at(50, 30) = 1, source.at(51, 30) = 5;
+  const Plane<uint8_t> witnesses = SourceCandidates(grid, layer, frames, maps, {}).witnesses(source, {});
+  EXPECT_EQ(witnesses.at(50, 30), 1 << witness_bit(-1) | 1 << witness_bit(2) | 1 << witness_bit(3));
+  EXPECT_EQ(witnesses.at(51, 30), 1 << witness_bit(-1) | 1 << witness_bit(-2));
+  EXPECT_EQ(witnesses.at(52, 30), 0);
+}
+
+// A wall in photographs taken one after another, each brighter by more than the one before. A spot as bright as `spot`
+// passes the third, from which the panorama is taken. Gives the colour of the spot's middle and of the
+// wall far from it.
+std::array<Rgb, 2> spot_and_wall(uint8_t spot, uint8_t witnesses) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap layer(grid.width, grid.height, 0);
+  const Plane<uint8_t> source(grid.width, grid.height, 2), seen_by(grid.width, grid.height, witnesses);
   RgbImage colour(grid.width, grid.height);
   std::vector<RgbImage> photos;
   std::vector<Camera> cameras;
-  std::vector<int> frame_of_camera;
-  for (const uint8_t level : levels) {
+  for (int i = 0; i < 5; ++i) {
+    const auto level = static_cast<uint8_t>(100 + 5 * i * i);
     photos.emplace_back(140, 80, Rgb{level, 50, 60});
-    frame_of_camera.push_back(static_cast<int>(cameras.size()));
-    cameras.push_back(camera_at(0.01 * static_cast<double>(cameras.size())));
+    cameras.push_back(camera_at(0.01 * i));
   }
-  if (last_theta > 0) cameras.back() = camera_at(last_theta);
-  const std::vector<std::array<float, 3>> gains(cameras.size(), {1, 1, 1});
-  fetch_colours(grid, {FramesInMemory(photos), cameras, frame_of_camera, gains, noise_range},
-                {{&layer, &source, &colour}}, {}, {});
-  return colour.at(50, 30);
+  const Eigen::Vector3d direction = grid.direction(grid.theta(50.5), grid.v(30.5));
+  const Eigen::Vector2d middle =
+      project(cameras[2].intrinsics, cameras[2].pose.world_from_camera.transpose() * direction);
+  for (int y = -4; y <= 4; ++y)
+    for (int x = -4; x <= 4; ++x)
+      photos[2].at(static_cast<int>(middle.x()) + x, static_cast<int>(middle.y()) + y) = {spot, 50, 60};
+  const std::vector<Gain> gains(cameras.size(), {1, 1, 1});
+  fetch_colours(grid, {FramesInMemory(photos), cameras, {0, 1, 2, 3, 4}, gains}, {{&layer, &source, &colour, &seen_by}},
+                {}, {});
+  return {colour.at(50, 30), colour.at(20, 30)};
 }
 
-TEST(FetchColours, NoisyPhotographsAreAveragedWithThoseTakenBesideThem) {
-  EXPECT_EQ(averaged({100, 104, 105}, 1, 5), (Rgb{103, 50, 60}));
-  EXPECT_EQ(averaged({100, 104, 105}, 1, 0), (Rgb{104, 50, 60}));
+TEST(FetchColours, WhatOnePhotographAloneShowsIsNotKept) {
+  constexpr Rgb kWall = {120, 50, 60};
+  constexpr int kAllFour = 1 << witness_bit(-2) | 1 << witness_bit(-1) | 1 << witness_bit(1) | 1 << witness_bit(2);
+  const auto [spot, wall] = spot_and_wall(250, kAllFour);
+  EXPECT_EQ(wall, kWall);  // as bright as in its own photograph
+  EXPECT_EQ(spot, kWall);
 }
 
-TEST(FetchColours, WhatNoiseDoesNotExplainIsAnotherSurface) {
-  EXPECT_EQ(averaged({100, 104, 140}, 1, 5), (Rgb{102, 50, 60}));
-}
-
-TEST(FetchColours, PhotographsTakenLongBeforeOrElsewhereAreNoCompanions) {
-  EXPECT_EQ(averaged({104, 100, 100, 100}, 3, 5), (Rgb{100, 50, 60}));
-  EXPECT_EQ(averaged({100, 104}, 0, 5, 2.5), (Rgb{100, 50, 60}));
-}
-
-TEST(NoiseRange, FollowsThePhotographInTheMiddleAndIsNoneForCleanOnes) {
-  std::vector<UprightFrame> frames(3);
-  frames[0].noise = 2, frames[1].noise = 40, frames[2].noise = 3;
-  ColourOptions options;
-  options.noise_range = 5;
-  EXPECT_EQ(noise_range(frames, options), 15);
-  for (UprightFrame& frame : frames) frame.noise = 0.5F;
-  EXPECT_EQ(noise_range(frames, options), 0);
-  EXPECT_EQ(noise_range({}, options), 0);
+TEST(FetchColours, WhereFewerThanThreeSeeIsThePhotographsOwn) {
+  EXPECT_EQ(spot_and_wall(250, 0)[0].r, 250);
+  EXPECT_EQ(spot_and_wall(250, 1 << witness_bit(1))[0].r, 250);
 }
 
 // Two photographs of one grey wall, the second brighter, meet at column `border` of the panorama.

@@ -91,30 +91,6 @@ TEST_F(Rectify, TellsBeforehandHowManyPixelsItsFramesWillHave) {
   }
 }
 
-// What rectify finds in a photo of a ramp from `dark` to `bright` with noise of that deviation.
-float noise_found(double dark, double bright, double deviation) {
-  const std::vector<Camera> cameras = {test::camera_at(0)};
-  RgbImage photo(140, 80);
-  std::mt19937 random(7);
-  for (int y = 0; y < photo.height; ++y)
-    for (int x = 0; x < photo.width; ++x) {
-      double normal = -6;  // twelve uniform numbers
-      for (int i = 0; i < 12; ++i) normal += static_cast<double>(random()) / 4294967296.0;
-      const double value = dark + (bright - dark) * x / photo.width + deviation * normal;
-      const auto level = static_cast<uint8_t>(std::clamp(value + 0.5, 0.0, 255.0));
-      photo.at(x, y) = {level, level, level};
-    }
-  return rectify(test::FramesInMemory({photo}), cameras, {0}, {}, Arc(), 1, {})[0].noise;
-}
-
-TEST(Noise, IsThatOfThePlainestPartsWhereNothingIsClipped) {
-  EXPECT_NEAR(noise_found(60, 200, 4), 3.6, 0.6);
-  EXPECT_NEAR(noise_found(60, 200, 8), 7.2, 1.2);
-  EXPECT_LT(noise_found(60, 200, 0), 0.5);
-  EXPECT_NEAR(noise_found(100, 400, 4), 3.6, 0.6);  // a white sky
-  EXPECT_EQ(noise_found(255, 255, 0), 0);
-}
-
 // A camera turns along a coarse pattern with automatic exposure and white balance: neighbours overlap by a fifth.
 // What each shows is rough by half, so that no link is exact.
 TEST(Exposure, LargeStepsFromPhotoToPhotoAreFoundInEachChannel) {

@@ -1,0 +1,49 @@
+// What photographs agree on where several of them see a surface.
+//
+// Where a depth is a little wrong, something has moved or a sample is mixed with an edge, the photograph that a pixel
+// is taken from differs from the others; everywhere its noise does. Photographs also differ in brightness over wide
+// areas (vignetting, tone mapping, haze), and each sees a part of the panorama only: mixed as they are, their borders
+// would show. So the others are first given the brightness of the pixel's own photograph.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "colour.h"
+#include "geometry.h"
+#include "photo_sampler.h"
+
+namespace ldp {
+
+// Per channel the mean of the middle half or so (the median of three, the mean of the middle three of five). Of one or
+// two samples, the first.
+Colour agreed(std::span<const Colour> samples);
+
+// By how much the photographs beside one of them (by witness_bit) are brighter than it, where both see one surface:
+// the median of a cell of kCellPx pixels a side, bilinear between cells.
+class BrightnessDifferences {
+ public:
+  static constexpr int kCellPx = 64;
+
+  explicit BrightnessDifferences(const PanoramaGrid& grid);
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  void clear();
+
+  // Of a cell. Of fewer than kLeastSamples nothing is known.
+  void set(int column, int row, int witness, std::vector<Colour>& samples);
+  // Between the cells that know it; nothing where none does.
+  std::optional<Colour> at(int x, int y, int witness) const;
+
+ private:
+  static constexpr size_t kLeastSamples = 8;
+
+  const std::optional<Colour>* cell(int column, int row, int witness) const;
+
+  bool wraps_;
+  int columns_, rows_;
+  std::vector<std::optional<Colour>> cells_;
+};
+
+}  // namespace ldp
