@@ -12,8 +12,9 @@ constexpr double kCostPerDegree = 64;
 constexpr double kCostPerRadian = kCostPerDegree * 180 / std::numbers::pi;
 constexpr int kMaxCandidates = 8;      // the cameras nearest to the ray among those that see the voxel
 constexpr double kBehindCamera = 0.1;  // least forward * w of a voxel worth projecting
-constexpr int kNoise = 3;              // levels by which samples of one surface may differ
-constexpr int kMostDiffer = 60;        // what differs more is just another surface
+constexpr int kColumnsAtOnce = 64;
+constexpr int kNoise = 3;        // levels by which samples of one surface may differ
+constexpr int kMostDiffer = 60;  // what differs more is just another surface
 
 // Between four samples of a picture stored column by column.
 uint8_t interpolated(const GreyImage& columns, double x_px, double y_px) {
@@ -143,19 +144,23 @@ int SourceCandidates::collect(int x, int y, bool through, uint8_t frame[16], uin
   return count;
 }
 
+uint8_t SourceCandidates::witnesses_of(int x, int y, int own) const {
+  const double w = grid_.inverse_depth(layer_.at(x, y));
+  int bits = 0;
+  for (int other = std::max(0, own - kBeside); other <= std::min(frames() - 1, own + kBeside); ++other)
+    if (other != own && candidate(static_cast<uint8_t>(other), x, y, w, false).cost >= 0)
+      bits |= 1 << witness_bit(other - own);
+  return static_cast<uint8_t>(bits);
+}
+
+// A few columns at a time: they are few columns of the frames, too.
 Plane<uint8_t> SourceCandidates::witnesses(const Plane<uint8_t>& source, const Job& job) const {
   Plane<uint8_t> seen_by(source.width, source.height, 0);
-  parallel_for(job, source.height, [&](int y) {
-    for (int x = 0; x < source.width; ++x) {
-      const int own = source.at(x, y);
-      if (own == kNoSource) continue;
-      const double w = grid_.inverse_depth(layer_.at(x, y));
-      int bits = 0;
-      for (int other = std::max(0, own - kBeside); other <= std::min(frames() - 1, own + kBeside); ++other)
-        if (other != own && candidate(static_cast<uint8_t>(other), x, y, w, false).cost >= 0)
-          bits |= 1 << witness_bit(other - own);
-      seen_by.at(x, y) = static_cast<uint8_t>(bits);
-    }
+  parallel_for(job, (source.width + kColumnsAtOnce - 1) / kColumnsAtOnce, [&](int strip) {
+    const int begin = strip * kColumnsAtOnce, end = std::min(source.width, begin + kColumnsAtOnce);
+    for (int y = 0; y < source.height; ++y)
+      for (int x = begin; x < end; ++x)
+        if (source.at(x, y) != kNoSource) seen_by.at(x, y) = witnesses_of(x, y, source.at(x, y));
   });
   return seen_by;
 }

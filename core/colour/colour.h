@@ -75,6 +75,7 @@ class SourceCandidates final : public ColourCosts {
     uint8_t grey = 0, tint = 0;
   };
   Candidate candidate(uint8_t frame, int x, int y, double w, bool through) const;
+  uint8_t witnesses_of(int x, int y, int own) const;
   static void doubt_odd_ones(double cost_per_level, Candidate* begin, Candidate* end);
   int collect(int x, int y, bool through, uint8_t frame[16], uint16_t cost[16]) const;
 
