@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <numeric>
 
 namespace ldp {
 namespace {
@@ -10,7 +12,17 @@ namespace {
 // Rounded to the nearest; halves away from zero.
 int quotient(int64_t sum, int64_t count) { return static_cast<int>((sum + (sum < 0 ? -count : count) / 2) / count); }
 
-int floor_quotient(int value, int divisor) { return (value - (value < 0 ? divisor - 1 : 0)) / divisor; }
+// Where a pixel's middle lies between those of two cells: `beyond` of `whole` towards the one after `first`, which is
+// -1 before the first middle.
+struct Between {
+  int first = 0;
+  int64_t beyond = 0, whole = 1;
+};
+
+Between between(int64_t px, int64_t size_px, int64_t cells) {
+  const int64_t whole = 2 * size_px, place = (2 * px + 1) * cells + size_px;
+  return {static_cast<int>(place / whole) - 1, place % whole, whole};
+}
 
 }  // namespace
 
@@ -20,31 +32,29 @@ Colour agreed(std::span<const Colour> samples) {
   Colour result{};
   for (size_t k = 0; k < result.size(); ++k) {
     std::array<int, 1 + kWitnesses> sorted;
-    for (size_t i = 0; i < samples.size(); ++i) {
-      size_t place = i;
-      for (; place > 0 && sorted[place - 1] > samples[i][k]; --place) sorted[place] = sorted[place - 1];
-      sorted[place] = samples[i][k];
-    }
-    int sum = 0;
-    for (size_t i = drop; i < samples.size() - drop; ++i) sum += sorted[i];
-    result[k] = quotient(sum, static_cast<int64_t>(samples.size() - 2 * drop));
+    sorted.fill(std::numeric_limits<int>::max());
+    std::transform(samples.begin(), samples.end(), sorted.begin(), [k](const Colour& c) { return c[k]; });
+    std::sort(sorted.begin(), sorted.end());
+    const auto kept = static_cast<std::ptrdiff_t>(samples.size() - 2 * drop);
+    const auto begin = sorted.begin() + static_cast<std::ptrdiff_t>(drop);
+    result[k] = quotient(std::accumulate(begin, begin + kept, 0), kept);
   }
   return result;
 }
 
 BrightnessDifferences::BrightnessDifferences(const PanoramaGrid& grid)
-    : wraps_(grid.wraps),
+    : width_(grid.width),
+      height_(grid.height),
+      wraps_(grid.wraps),
       columns_((grid.width + kCellPx - 1) / kCellPx),
       rows_((grid.height + kCellPx - 1) / kCellPx),
       cells_(static_cast<size_t>(columns_) * static_cast<size_t>(rows_) * kWitnesses) {}
 
 void BrightnessDifferences::clear() { std::fill(cells_.begin(), cells_.end(), std::nullopt); }
 
-const std::optional<Colour>* BrightnessDifferences::cell(int column, int row, int witness) const {
-  if (wraps_) column = (column + columns_) % columns_;
-  if (column < 0 || row < 0 || column >= columns_ || row >= rows_) return nullptr;
-  const auto place = static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
-  return &cells_[place * kWitnesses + static_cast<size_t>(witness)];
+size_t BrightnessDifferences::place(int column, int row, int witness) const {
+  const auto cell = static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
+  return cell * kWitnesses + static_cast<size_t>(witness);
 }
 
 void BrightnessDifferences::set(int column, int row, int witness, std::vector<Colour>& samples) {
@@ -56,24 +66,25 @@ void BrightnessDifferences::set(int column, int row, int witness, std::vector<Co
                      [k](const Colour& a, const Colour& b) { return a[k] < b[k]; });
     median[k] = (*middle)[k];
   }
-  const auto place = static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
-  cells_[place * kWitnesses + static_cast<size_t>(witness)] = median;
+  cells_[place(column, row, witness)] = median;
 }
 
 std::optional<Colour> BrightnessDifferences::at(int x, int y, int witness) const {
-  constexpr int kCell = 2 * kCellPx;  // in half pixels, so that both pixels' and cells' centres are integers
-  const int px = 2 * x + 1 - kCellPx, py = 2 * y + 1 - kCellPx;
-  const int column = floor_quotient(px, kCell), row = floor_quotient(py, kCell);
+  const Between across = between(x, width_, columns_), down = between(y, height_, rows_);
   std::array<int64_t, 3> sum{};
   int64_t weights = 0;
-  for (int j = 0; j < 2; ++j)
-    for (int i = 0; i < 2; ++i) {
-      const std::optional<Colour>* known = cell(column + i, row + j, witness);
-      if (!known || !*known) continue;
-      const int beyond_x = px - column * kCell, beyond_y = py - row * kCell;
-      const int64_t weight = (i ? beyond_x : kCell - beyond_x) * (j ? beyond_y : kCell - beyond_y);
+  for (const int j : {0, 1})
+    for (const int i : {0, 1}) {
+      int column = across.first + i;
+      const int row = down.first + j;
+      if (wraps_) column = (column + columns_) % columns_;
+      if (column < 0 || row < 0 || column >= columns_ || row >= rows_) continue;
+      const std::optional<Colour>& known = cells_[place(column, row, witness)];
+      if (!known) continue;
+      const int64_t weight =
+          (i ? across.beyond : across.whole - across.beyond) * (j ? down.beyond : down.whole - down.beyond);
       weights += weight;
-      for (size_t k = 0; k < 3; ++k) sum[k] += weight * (**known)[k];
+      for (size_t k = 0; k < 3; ++k) sum[k] += weight * (*known)[k];
     }
   if (weights == 0) return {};
   return Colour{quotient(sum[0], weights), quotient(sum[1], weights), quotient(sum[2], weights)};

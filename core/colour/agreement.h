@@ -16,19 +16,20 @@
 
 namespace ldp {
 
-// Per channel the mean of the middle half or so (the median of three, the mean of the middle three of five). Of one or
-// two samples, the first.
+// Per channel the mean of all but a quarter at either end, rounded: the median of three, the mean of the middle three
+// of five or seven. Of one or two samples, the first. At least one, at most 1 + kWitnesses.
 Colour agreed(std::span<const Colour> samples);
 
 // By how much the photographs beside one of them (by witness_bit) are brighter than it, where both see one surface:
-// the median of a cell of kCellPx pixels a side, bilinear between cells.
+// the median of a cell, bilinear between cells.
 class BrightnessDifferences {
  public:
-  static constexpr int kCellPx = 64;
-
   explicit BrightnessDifferences(const PanoramaGrid& grid);
   int columns() const { return columns_; }
   int rows() const { return rows_; }
+  // Where a cell begins, and the one before it ends.
+  int begin_x(int column) const { return column * width_ / columns_; }
+  int begin_y(int row) const { return row * height_ / rows_; }
   void clear();
 
   // Of a cell. Of fewer than kLeastSamples nothing is known.
@@ -37,10 +38,12 @@ class BrightnessDifferences {
   std::optional<Colour> at(int x, int y, int witness) const;
 
  private:
+  static constexpr int kCellPx = 64;  // at most, spread evenly over the panorama
   static constexpr size_t kLeastSamples = 8;
 
-  const std::optional<Colour>* cell(int column, int row, int witness) const;
+  size_t place(int column, int row, int witness) const;
 
+  int width_, height_;
   bool wraps_;
   int columns_, rows_;
   std::vector<std::optional<Colour>> cells_;

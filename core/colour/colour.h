@@ -28,7 +28,8 @@ namespace ldp {
 
 constexpr uint8_t kNoSource = 255;
 
-// The photographs that are asked what they show of a pixel, beside its own: those taken just before and after it.
+// The photographs that are asked what they show of a pixel, beside its own: those taken just before and after it (of a
+// closed sweep, too, the first has none before it).
 constexpr int kBeside = 3, kWitnesses = 2 * kBeside;
 
 // Which of them is the one taken `offset` later (-kBeside .. kBeside, not 0).

@@ -107,20 +107,18 @@ class LayerFetch {
     find_spans();
   }
 
-  // By how much witnesses differ from photograph `index` in rows and columns of a cell that are taken from it.
-  void compare(const OpenPhotographs& open, uint8_t index, int column, int row,
-               std::array<std::vector<Colour>, kWitnesses>& differences) const {
-    constexpr int kCell = BrightnessDifferences::kCellPx;
-    const int x0 = std::max(column * kCell, spans_[index].begin),
-              x1 = std::min((column + 1) * kCell, spans_[index].end);
-    for (int y = row * kCell; y < std::min((row + 1) * kCell, grid_.height); y += kCompareEvery)
-      for (int x = x0 - x0 % kCompareEvery; x < x1; x += kCompareEvery) {
+  // Adds by how much each witness is brighter than photograph `index`, where a cell is taken from it.
+  void compare(const OpenPhotographs& open, const BrightnessDifferences& cells, uint8_t index, int column, int row,
+               std::array<std::vector<Colour>, kWitnesses>& samples) const {
+    const int end_x = std::min(cells.begin_x(column + 1), spans_[index].end);
+    for (int y = cells.begin_y(row); y < cells.begin_y(row + 1); y += kCompareEvery)
+      for (int x = cells.begin_x(column); x < end_x; x += kCompareEvery) {
         if (task_.source->at(x, y) != index) continue;
         const Voxel voxel = at(x, y);
         if (voxel.witnesses == 0) continue;
         const Colour own = open.sample(index, voxel);
         open.ask_witnesses(index, voxel, [&](int witness, const Colour& c) {
-          differences[static_cast<size_t>(witness)].push_back({c[0] - own[0], c[1] - own[1], c[2] - own[2]});
+          samples[static_cast<size_t>(witness)].push_back({c[0] - own[0], c[1] - own[1], c[2] - own[2]});
         });
       }
   }
@@ -206,19 +204,16 @@ void compare_with_witnesses(const OpenPhotographs& open, const std::vector<Layer
     std::array<std::vector<Colour>, kWitnesses> samples;
     for (int column = 0; column < differences.columns(); ++column) {
       for (auto& of_witness : samples) of_witness.clear();
-      for (const LayerFetch& layer : layers) layer.compare(open, index, column, row, samples);
+      for (const LayerFetch& layer : layers) layer.compare(open, differences, index, column, row, samples);
       for (int witness = 0; witness < kWitnesses; ++witness)
         differences.set(column, row, witness, samples[static_cast<size_t>(witness)]);
     }
   });
 }
 
-}  // namespace
-
-void fetch_colours(const PanoramaGrid& grid, const Photographs& photographs, const std::vector<ColourTask>& tasks,
-                   const ColourOptions& options, const Job& job) {
-  std::vector<LayerFetch> layers;
-  for (const ColourTask& task : tasks) layers.emplace_back(grid, task);
+// Reads one photograph after another; what its own pixels show is taken when those beside it are there.
+void read_photographs(const PanoramaGrid& grid, const Photographs& photographs, std::vector<LayerFetch>& layers,
+                      const Job& job) {
   const int cameras = static_cast<int>(photographs.cameras.size());
   const int strips = (grid.height + kRowsAtOnce - 1) / kRowsAtOnce;
   OpenPhotographs open(grid, photographs);
@@ -237,6 +232,15 @@ void fetch_colours(const PanoramaGrid& grid, const Photographs& photographs, con
         for (LayerFetch& layer : layers) layer.fetch_row(open, differences, static_cast<uint8_t>(index), y);
     });
   }
+}
+
+}  // namespace
+
+void fetch_colours(const PanoramaGrid& grid, const Photographs& photographs, const std::vector<ColourTask>& tasks,
+                   const ColourOptions& options, const Job& job) {
+  std::vector<LayerFetch> layers;
+  for (const ColourTask& task : tasks) layers.emplace_back(grid, task);
+  read_photographs(grid, photographs, layers, job);
   if (!options.even_seams) return;
   std::vector<SeamSample> samples;
   for (const LayerFetch& layer : layers) layer.collect(samples);

@@ -12,7 +12,7 @@
 
 namespace ldp {
 
-using Colour = std::array<int, 3>;  // 0 .. 255 * kColourSteps a channel; gains may lift it above
+using Colour = std::array<int, 3>;  // 0 .. 255 * kColourSteps a channel; beyond with gains, and as a difference
 
 constexpr int kColourSteps = 16;
 
