@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "scratch_space.h"
+
 namespace ldp {
 
 void parallel_for(const Job& job, int count, const std::function<void(int)>& body) {
@@ -19,6 +21,7 @@ void parallel_for(const Job& job, int count, const std::function<void(int)>& bod
       try {
         job.check();
         body(i);
+        let_go_if_full();
       } catch (...) {
         const std::lock_guard lock(mutex);
         if (i < failed_index) {

@@ -132,6 +132,11 @@ struct ScratchSpace::Keeper {
   }
 };
 
+void let_go_if_full() {
+  const std::unique_lock lock(mutex(), std::try_to_lock);
+  if (lock.owns_lock() && !folder().empty() && resident_bytes() > budget()) let_go();
+}
+
 ScratchSpace::ScratchSpace(const std::string& in, size_t resident_bytes) {
   if (File(in).descriptor() < 0)
     throw std::runtime_error(in + ": cannot make a file for scratch space: " + std::strerror(errno));

@@ -32,6 +32,9 @@ class ScratchSpace {
   std::unique_ptr<Keeper> keeper_;
 };
 
+// What ScratchSpace does every few milliseconds, at once: where much is touched in less.
+void let_go_if_full();
+
 // nullptr where there is no scratch space, or no room in it.
 void* map_scratch(size_t bytes);
 // Whether the array was mapped, and is gone now.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <numeric>
 #include <optional>
 #include <tuple>
 #include <vector>
@@ -180,8 +181,10 @@ TEST(FetchColours, AppliesTheGainOfEachChannel) {
 TEST(Agreed, IsTheMeanOfTheMiddleHalfOfEachChannel) {
   const std::vector<Colour> five = {{0, 10, 7}, {100, 11, 7}, {104, 900, 7}, {105, 12, 7}, {4000, 10, 7}};
   EXPECT_EQ(agreed(five), (Colour{103, 11, 7}));
-  const std::vector<Colour> seven = {{7, 0, 0}, {1, 0, 0}, {6, 0, 0}, {2, 0, 0}, {9, 0, 0}, {3, 0, 0}, {5, 0, 9}};
-  EXPECT_EQ(agreed(seven), (Colour{5, 0, 0}));  // of 3 5 6
+  const std::vector<Colour> seven = {{10, 0, 0}, {1, 0, 0}, {60, 0, 0}, {2, 0, 0}, {90, 0, 0}, {3, 0, 0}, {5, 0, 9}};
+  EXPECT_EQ(agreed(seven), (Colour{6, 0, 0}));  // of 3 5 10
+  const std::vector<Colour> three = {{90, 0, 0}, {10, 0, 0}, {20, 0, 0}};
+  EXPECT_EQ(agreed(three), (Colour{20, 0, 0}));
 }
 
 TEST(Agreed, OfTwoThatDifferNeitherIsOutvoted) {
@@ -200,27 +203,46 @@ TEST(BrightnessDifferences, AreMediansOfCellsAndBilinearBetweenThem) {
   differences.set(0, 1, 2, left);
   differences.set(1, 1, 2, right);
   differences.set(2, 1, 2, few);
-  const int middle = 64 + 32;
-  EXPECT_EQ(differences.at(0, middle, 2), (Colour{-160, 0, 16}));    // nothing further left
-  EXPECT_EQ(differences.at(127, middle, 2), (Colour{320, 0, -16}));  // what is not known does not count
-  const Colour between = differences.at(63, middle, 2).value();
-  EXPECT_NEAR(between[0], 80 - 4, 2);
-  EXPECT_NEAR(between[2], 0, 1);
+  const int middle = 65;
+  EXPECT_EQ(differences.at(0, middle, 2), (Colour{-160, 0, 16}));   // nothing further left
+  EXPECT_EQ(differences.at(99, middle, 2), (Colour{320, 0, -16}));  // what is not known does not count
+  EXPECT_EQ(differences.at(24, middle, 2), (Colour{-160, 0, 16}));  // the middle of a cell
+  EXPECT_NEAR(differences.at(37, middle, 2).value()[0], -160 + 480 / 4, 5);
+  EXPECT_NEAR(differences.at(50, middle, 2).value()[2], 0, 1);
   EXPECT_EQ(differences.at(190, middle, 2), std::nullopt);
   EXPECT_EQ(differences.at(0, middle, 3), std::nullopt);
   differences.clear();
   EXPECT_EQ(differences.at(0, middle, 2), std::nullopt);
 }
 
+TEST(BrightnessDifferences, AreBilinearFromRowToRow) {
+  PanoramaGrid grid;
+  grid.width = 64, grid.height = 128;
+  BrightnessDifferences differences(grid);
+  std::vector<Colour> above(8, Colour{0, 0, 0}), below(8, Colour{1280, 0, 0});
+  differences.set(0, 0, 0, above);
+  differences.set(0, 1, 0, below);
+  EXPECT_EQ(differences.at(0, 0, 0).value()[0], 0);
+  EXPECT_EQ(differences.at(0, 40, 0).value()[0], 170);
+  EXPECT_EQ(differences.at(0, 127, 0).value()[0], 1280);
+}
+
 TEST(BrightnessDifferences, GoOnAroundAClosedPanorama) {
   PanoramaGrid grid;
-  grid.width = 256, grid.height = 64;
-  std::vector<Colour> samples(8, Colour{32, 32, 32});
+  grid.width = 260, grid.height = 64;  // cells do not divide it
+  std::vector<Colour> none(8, Colour{}), some(8, Colour{1600, 1600, 1600});
   for (const bool wraps : {false, true}) {
     grid.wraps = wraps;
     BrightnessDifferences differences(grid);
-    differences.set(3, 0, 0, samples);
+    ASSERT_EQ(differences.columns(), 5);
+    differences.set(4, 0, 0, some);
     EXPECT_EQ(differences.at(0, 32, 0).has_value(), wraps);
+    differences.set(0, 0, 0, none);
+    const int last = differences.at(259, 32, 0).value()[0], first = differences.at(0, 32, 0).value()[0];
+    if (wraps)
+      EXPECT_NEAR(last - first, 1600 / 52, 1);  // as between any two columns there
+    else
+      EXPECT_EQ(last - first, 1600);
   }
 }
 
@@ -236,51 +258,115 @@ TEST(Witnesses, AreThePhotographsBesideAPixelsOwnThatSeeItsVoxel) {
   frames.push_back(upright_of(camera_at(2.5), 6));  // looks elsewhere
   maps.push_back(map_of(frames.back(), 0));
   Plane<uint8_t> source(grid.width, grid.height, kNoSource);
-  source.at(50, 30) = 1, source.at(51, 30) = 5;
+  source.at(50, 30) = 1, source.at(51, 30) = 5, source.at(52, 30) = 4;
   const Plane<uint8_t> witnesses = SourceCandidates(grid, layer, frames, maps, {}).witnesses(source, {});
   EXPECT_EQ(witnesses.at(50, 30), 1 << witness_bit(-1) | 1 << witness_bit(2) | 1 << witness_bit(3));
   EXPECT_EQ(witnesses.at(51, 30), 1 << witness_bit(-1) | 1 << witness_bit(-2));
-  EXPECT_EQ(witnesses.at(52, 30), 0);
+  EXPECT_EQ(witnesses.at(52, 30), 1 << witness_bit(-3) | 1 << witness_bit(-1) | 1 << witness_bit(1));
+  EXPECT_EQ(witnesses.at(53, 30), 0);
 }
 
-// A wall in photographs taken one after another, each brighter by more than the one before. A spot as bright as `spot`
-// passes the third, from which the panorama is taken. Gives the colour of the spot's middle and of the
-// wall far from it.
-std::array<Rgb, 2> spot_and_wall(uint8_t spot, uint8_t witnesses) {
-  const PanoramaGrid grid = simple_grid(0.5);
-  const DisparityMap layer(grid.width, grid.height, 0);
-  const Plane<uint8_t> source(grid.width, grid.height, 2), seen_by(grid.width, grid.height, witnesses);
-  RgbImage colour(grid.width, grid.height);
+constexpr uint8_t kAllWitnesses = (1 << kWitnesses) - 1;
+
+// Photographs of a far wall, taken one after another.
+struct Wall {
+  PanoramaGrid grid = simple_grid(0.5);
   std::vector<RgbImage> photos;
   std::vector<Camera> cameras;
-  for (int i = 0; i < 5; ++i) {
-    const auto level = static_cast<uint8_t>(100 + 5 * i * i);
-    photos.emplace_back(140, 80, Rgb{level, 50, 60});
-    cameras.push_back(camera_at(0.01 * i));
+  Plane<uint8_t> source{grid.width, grid.height, 3}, witnesses{grid.width, grid.height, kAllWitnesses};
+
+  explicit Wall(const std::vector<int>& levels) {
+    for (const int level : levels) {
+      cameras.push_back(camera_at(0.01 * static_cast<double>(cameras.size())));
+      photos.emplace_back(140, 80, Rgb{static_cast<uint8_t>(level), 50, 60});
+    }
   }
-  const Eigen::Vector3d direction = grid.direction(grid.theta(50.5), grid.v(30.5));
-  const Eigen::Vector2d middle =
-      project(cameras[2].intrinsics, cameras[2].pose.world_from_camera.transpose() * direction);
-  for (int y = -4; y <= 4; ++y)
-    for (int x = -4; x <= 4; ++x)
-      photos[2].at(static_cast<int>(middle.x()) + x, static_cast<int>(middle.y()) + y) = {spot, 50, 60};
-  const std::vector<Gain> gains(cameras.size(), {1, 1, 1});
-  fetch_colours(grid, {FramesInMemory(photos), cameras, {0, 1, 2, 3, 4}, gains}, {{&layer, &source, &colour, &seen_by}},
-                {}, {});
-  return {colour.at(50, 30), colour.at(20, 30)};
-}
+
+  // Something that one photograph alone shows at pixel (x, 30) and a little around it.
+  void pass(int photo, int x, uint8_t level) {
+    const auto i = static_cast<size_t>(photo);
+    const Eigen::Vector3d direction = grid.direction(grid.theta(x + 0.5), grid.v(30.5));
+    const Eigen::Vector2d middle =
+        project(cameras[i].intrinsics, cameras[i].pose.world_from_camera.transpose() * direction);
+    for (int v = -4; v <= 4; ++v)
+      for (int u = -4; u <= 4; ++u)
+        photos[i].at(static_cast<int>(middle.x()) + u, static_cast<int>(middle.y()) + v).r = level;
+  }
+
+  // The right half of the panorama from another photograph.
+  void right_from(uint8_t photo) {
+    for (int y = 0; y < grid.height; ++y)
+      for (int x = 64; x < grid.width; ++x) source.at(x, y) = photo;
+  }
+
+  void left_seen_by(int these) {
+    for (int y = 0; y < grid.height; ++y)
+      for (int x = 0; x < 64; ++x) witnesses.at(x, y) = static_cast<uint8_t>(these);
+  }
+
+  RgbImage panorama(bool even = false) const {
+    const DisparityMap layer(grid.width, grid.height, 0);
+    RgbImage colour(grid.width, grid.height);
+    std::vector<int> frame_of_camera(photos.size());
+    std::iota(frame_of_camera.begin(), frame_of_camera.end(), 0);
+    const std::vector<Gain> gains(photos.size(), {1, 1, 1});
+    ColourOptions options;
+    options.even_seams = even;
+    fetch_colours(grid, {FramesInMemory(photos), cameras, frame_of_camera, gains},
+                  {{&layer, &source, &colour, &witnesses}}, options, {});
+    return colour;
+  }
+};
 
 TEST(FetchColours, WhatOnePhotographAloneShowsIsNotKept) {
-  constexpr Rgb kWall = {120, 50, 60};
-  constexpr int kAllFour = 1 << witness_bit(-2) | 1 << witness_bit(-1) | 1 << witness_bit(1) | 1 << witness_bit(2);
-  const auto [spot, wall] = spot_and_wall(250, kAllFour);
-  EXPECT_EQ(wall, kWall);  // as bright as in its own photograph
-  EXPECT_EQ(spot, kWall);
+  for (const int witnesses : {int{kAllWitnesses}, 1 << witness_bit(-3) | 1 << witness_bit(3)}) {
+    Wall wall({100, 103, 112, 127, 148, 175, 208});
+    wall.pass(3, 53, 250);
+    wall.left_seen_by(witnesses);
+    const RgbImage panorama = wall.panorama();
+    EXPECT_EQ(panorama.at(53, 30), (Rgb{127, 50, 60}));
+    EXPECT_EQ(panorama.at(20, 30), (Rgb{127, 50, 60}));  // as bright as in its own photograph
+  }
 }
 
 TEST(FetchColours, WhereFewerThanThreeSeeIsThePhotographsOwn) {
-  EXPECT_EQ(spot_and_wall(250, 0)[0].r, 250);
-  EXPECT_EQ(spot_and_wall(250, 1 << witness_bit(1))[0].r, 250);
+  Wall wall({100, 100, 100, 100, 100, 100, 100});
+  wall.pass(3, 53, 250);
+  for (const int witnesses : {0, 1 << witness_bit(1)}) {
+    wall.left_seen_by(witnesses);
+    EXPECT_EQ(wall.panorama().at(53, 30).r, 250);
+  }
+}
+
+TEST(FetchColours, EachPhotographIsComparedWithThoseBesideItself) {
+  Wall wall({63, 104, 122, 127, 128, 132, 150});
+  wall.right_from(4);
+  wall.pass(4, 66, 250);
+  const RgbImage panorama = wall.panorama();
+  EXPECT_EQ(panorama.at(20, 30).r, 127);
+  EXPECT_EQ(panorama.at(66, 30).r, 128);
+}
+
+TEST(FetchColours, BrightnessDiffersFromPlaceToPlace) {
+  Wall wall({120, 120, 120, 100, 120, 120, 120});
+  for (int i = 0; i < 7; ++i)
+    for (int y = 0; y < 80; ++y)
+      for (int x = 70; x < 140; ++x) wall.photos[static_cast<size_t>(i)].at(x, y).r = i == 3 ? 100 : 80;
+  wall.pass(3, 20, 250);
+  wall.pass(3, 96, 250);
+  const RgbImage panorama = wall.panorama();
+  for (const int x : {8, 20, 96}) EXPECT_NEAR(panorama.at(x, 30).r, 100, 1) << x;
+}
+
+// Where two photographs meet, what one of them shows alone in the other's place moves no seam.
+TEST(EvenSeams, SeeWhatPhotographsAgreeOn) {
+  Wall wall({100, 100, 100, 100, 116, 116, 116});
+  wall.right_from(4);
+  wall.left_seen_by(1 << witness_bit(1) | 1 << witness_bit(2));  // three with their own
+  const RgbImage clean = wall.panorama(true);
+  EXPECT_LE(std::abs(clean.at(64, 30).r - clean.at(63, 30).r), 3);
+  wall.pass(4, 60, 250);  // beyond the border, and on it
+  EXPECT_EQ(wall.panorama(true).samples, clean.samples);
 }
 
 // Two photographs of one grey wall, the second brighter, meet at column `border` of the panorama.

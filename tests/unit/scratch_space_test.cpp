@@ -3,13 +3,17 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <stdexcept>
 #include <thread>
+#include <utility>
+#include <vector>
 
+#include "job.h"
 #include "plane.h"
 
 namespace ldp {
@@ -75,6 +79,21 @@ TEST_F(ScratchSpaceTest, TheProcessIsBackWithinItsBudget) {
   while (resident_mebibytes() > before + 8 && std::chrono::steady_clock::now() < late) std::this_thread::yield();
   EXPECT_LE(resident_mebibytes(), before + 8);
   EXPECT_EQ(wrong_samples(one) + wrong_samples(two), 0U);
+}
+
+TEST_F(ScratchSpaceTest, WhatWasTouchedInAMomentIsLetGoBeforeTheNextTask) {
+  constexpr int kPlanes = 8, kPage = 4096;
+  const size_t before = resident_mebibytes();
+  ScratchSpace scratch(folder_, (before + 16) << 20);
+  std::vector<Plane<uint8_t>> planes;
+  for (int i = 0; i < kPlanes; ++i) planes.push_back(patterned());
+  size_t most = 0;
+  parallel_for({}, 4 * kPlanes, [&](int i) {
+    if (i > 0) most = std::max(most, resident_mebibytes());
+    const Plane<uint8_t>& plane = planes[static_cast<size_t>(i % kPlanes)];
+    for (size_t k = 0; k < plane.samples.size(); k += kPage) *const_cast<volatile const uint8_t*>(&plane.samples[k]);
+  });
+  EXPECT_LE(most, before + 16 + 16);  // one plane where the space itself was just looking
 }
 
 TEST_F(ScratchSpaceTest, SmallArraysAndArraysFromBeforeStayInMemory) {
