@@ -25,7 +25,8 @@ ExpectedMemory expected_memory(const PanoramaGrid& grid, int columns_of_colour, 
   const size_t always = kProgram + kPhotoPixel * photo_px, strip = kSolver + kStripRow * height;
   const size_t solving = strip + kUprightPixel * upright_px + (kDisparity * count + kSolvedPixel) * panorama_px;
   // The upright frames are gone by then.
-  const size_t colouring = (kColouredLayerPixel * count + kSeams) * stored_px + kOpenPhotoPixel * photo_px;
+  const size_t colouring =
+      kColouredLayerPixel * count * stored_px + std::max(kSeams * stored_px, kOpenPhotoPixel * photo_px);
   const size_t all = always + std::max(solving, colouring);
   return {all, std::min(all, always + strip + kHeldPixel * stored_px + kArraysInWork)};
 }
