@@ -21,7 +21,9 @@ struct SweepOptions {
   int labels = kLabels;
   int substeps = 8;     // depths tried inside each label's interval, the best kept
   int prior_cost = 36;  // phi of a voxel that one camera sees, in 1/kCostScale grey levels
-  int margin = 4;       // what fewer than two cameras can see costs at most so much more than the ray's best match
+  // A label that fewer than two cameras see costs at most `margin` more than the ray's best match, and at most
+  // `unmatched_cost`, which is what a good match costs.
+  int margin = 2, unmatched_cost = 8;
   // Feature points that tell of plain parts of the front layer (points_prior.h); nullptr = none. Not kept.
   const std::vector<ScenePoint>* points = nullptr;
 };
