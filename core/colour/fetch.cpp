@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "agreement.h"
 #include "colour.h"
@@ -140,9 +142,16 @@ class LayerFetch {
     }
   }
 
-  void collect(std::vector<SeamSample>& samples) const {
-    for (const auto& row : seams_of_row_)
-      for (const SeamPixel& p : row) {
+  size_t seam_pixels() const {
+    size_t sum = 0;
+    for (const auto& row : seams_of_row_) sum += row.size();
+    return sum;
+  }
+
+  // The samples of all seam pixels, which are gone then.
+  void move_seams_to(std::vector<SeamSample>& samples) {
+    for (auto& row : seams_of_row_)
+      for (const SeamPixel& p : std::exchange(row, {})) {
         const Rgb c = task_.colour->at(p.x, p.y);
         SeamSample s{p.x, p.y, p.own, p.other, p.side, p.seen};
         s.step[0] -= c.r * kColourSteps, s.step[1] -= c.g * kColourSteps, s.step[2] -= c.b * kColourSteps;
@@ -243,7 +252,9 @@ void fetch_colours(const PanoramaGrid& grid, const Photographs& photographs, con
   read_photographs(grid, photographs, layers, job);
   if (!options.even_seams) return;
   std::vector<SeamSample> samples;
-  for (const LayerFetch& layer : layers) layer.collect(samples);
+  samples.reserve(std::accumulate(layers.begin(), layers.end(), size_t{0},
+                                  [](size_t sum, const LayerFetch& layer) { return sum + layer.seam_pixels(); }));
+  for (LayerFetch& layer : layers) layer.move_seams_to(samples);
   even_seams(grid, tasks, samples, options, job);
 }
 

@@ -373,6 +373,9 @@ Plane<TileState> tile_states(const Plane<uint8_t>& coverage) {
   Plane<TileState> tiles((coverage.width + kTile - 1) / kTile, (coverage.height + kTile - 1) / kTile);
   for (int y = 0; y < tiles.height; ++y)
     for (int x = 0; x < tiles.width; ++x) tiles.at(x, y) = tile_state(coverage, x, y);
+  const auto empty = std::count(tiles.samples.begin(), tiles.samples.end(), TileState::empty);
+  if (empty * 2 <= static_cast<std::ptrdiff_t>(tiles.samples.size()))
+    std::replace(tiles.samples.begin(), tiles.samples.end(), TileState::empty, TileState::mixed);
   return tiles;
 }
 

@@ -30,6 +30,7 @@ TEST(GoldenFiles, AreSound) {
 // Colour and thumbnail may change with the codecs' libraries; nothing else may.
 TEST(GoldenFiles, AreWhatTheEncoderStillWrites) {
   for (const Golden& golden : golden_files()) {
+    if (!golden.still_written) continue;
     const std::vector<uint8_t> then = stored(std::string(golden.name) + ".ldp");
     const std::vector<uint8_t> now = encode_ldp(synthetic_panorama(golden.panorama), golden.encode);
     const std::vector<LdpChunk> a = describe_ldp(then).chunks;
