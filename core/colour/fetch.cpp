@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "agreement.h"
 #include "colour.h"
@@ -18,12 +18,18 @@ constexpr int kRowsAtOnce = 16;
 constexpr int kCompareEvery = 4;  // pixels, both ways: enough to compare photographs' brightness
 constexpr int kSameSurface = kDisparitySteps / (kLabels - 1);
 
-// One pixel of a border, met while its neighbour's photograph is in memory.
+// One pixel of a border, met while its neighbour's photograph is in memory. Small: where a camera moves forward, there
+// are millions.
 struct SeamPixel {
-  int x = 0, y = 0;
-  uint8_t own = 0, other = 0, side = 0;
-  Colour seen{};
+  uint16_t x = 0;  // no file is wider
+  uint8_t other = 0, side = 0;
+  std::array<int16_t, 3> seen{};
 };
+
+std::array<int16_t, 3> narrowed(const Colour& c) {
+  const auto channel = [](int v) { return static_cast<int16_t>(std::clamp(v, INT16_MIN, INT16_MAX)); };
+  return {channel(c[0]), channel(c[1]), channel(c[2])};
+}
 
 Rgb stored(const Colour& c) {
   const auto channel = [](int v) {
@@ -138,24 +144,17 @@ class LayerFetch {
       if (own)
         task_.colour->at(x, y) = stored(c);
       else
-        seams_of_row_[static_cast<size_t>(y)].push_back({x, y, source[x], index, *side, c});
+        seams_of_row_[static_cast<size_t>(y)].push_back({static_cast<uint16_t>(x), index, *side, narrowed(c)});
     }
   }
 
-  size_t seam_pixels() const {
-    size_t sum = 0;
-    for (const auto& row : seams_of_row_) sum += row.size();
-    return sum;
-  }
-
-  // The samples of all seam pixels, which are gone then.
-  void move_seams_to(std::vector<SeamSample>& samples) {
-    for (auto& row : seams_of_row_)
-      for (const SeamPixel& p : std::exchange(row, {})) {
-        const Rgb c = task_.colour->at(p.x, p.y);
-        SeamSample s{p.x, p.y, p.own, p.other, p.side, p.seen};
-        s.step[0] -= c.r * kColourSteps, s.step[1] -= c.g * kColourSteps, s.step[2] -= c.b * kColourSteps;
-        samples.push_back(s);
+  void for_each_seam(const std::function<void(const SeamSample&)>& visit) const {
+    for (int y = 0; y < grid_.height; ++y)
+      for (const SeamPixel& p : seams_of_row_[static_cast<size_t>(y)]) {
+        const Rgb c = task_.colour->at(p.x, y);
+        const Colour step = {p.seen[0] - c.r * kColourSteps, p.seen[1] - c.g * kColourSteps,
+                             p.seen[2] - c.b * kColourSteps};
+        visit({p.x, y, task_.source->at(p.x, y), p.other, p.side, step});
       }
   }
 
@@ -251,11 +250,10 @@ void fetch_colours(const PanoramaGrid& grid, const Photographs& photographs, con
   for (const ColourTask& task : tasks) layers.emplace_back(grid, task);
   read_photographs(grid, photographs, layers, job);
   if (!options.even_seams) return;
-  std::vector<SeamSample> samples;
-  samples.reserve(std::accumulate(layers.begin(), layers.end(), size_t{0},
-                                  [](size_t sum, const LayerFetch& layer) { return sum + layer.seam_pixels(); }));
-  for (LayerFetch& layer : layers) layer.move_seams_to(samples);
-  even_seams(grid, tasks, samples, options, job);
+  const auto seams = [&](const std::function<void(const SeamSample&)>& visit) {
+    for (const LayerFetch& layer : layers) layer.for_each_seam(visit);
+  };
+  even_seams(grid, tasks, seams, options, job);
 }
 
 }  // namespace ldp

@@ -178,14 +178,15 @@ bool is_exposure(const SeamSample& s) {
 
 }  // namespace
 
-void even_seams(const PanoramaGrid& grid, const std::vector<ColourTask>& tasks, const std::vector<SeamSample>& samples,
+void even_seams(const PanoramaGrid& grid, const std::vector<ColourTask>& tasks, const SeamSamples& for_each_sample,
                 const ColourOptions& options, const Job& job) {
   OffsetField field(grid, options.seam_cell_px);
   for (const ColourTask& task : tasks) field.count(*task.source);
   field.number();
   field.link_neighbours();
-  for (const SeamSample& s : samples)
+  for_each_sample([&](const SeamSample& s) {
     if (is_exposure(s)) field.add(s);
+  });
   field.solve(job);
   for (const ColourTask& task : tasks)
     parallel_for(job, grid.height, [&](int y) {

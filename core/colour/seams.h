@@ -5,6 +5,7 @@
 //   sum over borders (o_a - o_b - step)^2 + k sum over neighbouring cells of one photograph (o - o')^2 + e sum o^2.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "colour.h"
@@ -21,8 +22,11 @@ struct SeamSample {
   Colour step{};                         // other minus own
 };
 
-// Changes the colours of all tasks. Samples may come in any order that does not depend on threads.
-void even_seams(const PanoramaGrid& grid, const std::vector<ColourTask>& tasks, const std::vector<SeamSample>& samples,
+// Calls what it is given for each sample, in any order that does not depend on threads.
+using SeamSamples = std::function<void(const std::function<void(const SeamSample&)>&)>;
+
+// Changes the colours of all tasks.
+void even_seams(const PanoramaGrid& grid, const std::vector<ColourTask>& tasks, const SeamSamples& for_each_sample,
                 const ColourOptions& options, const Job& job);
 
 }  // namespace ldp
