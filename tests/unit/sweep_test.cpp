@@ -268,14 +268,16 @@ std::pair<int, int> cameras_seeing(const std::vector<UprightFrame>& frames, cons
 TEST(Sweep, WhatFewerThanTwoCamerasSeeCostsLittleMoreThanTheBestMatch) {
   const PanoramaGrid grid = simple_grid(0.6);
   const std::vector<UprightFrame> frames = {picture_of_cylinder(0.2, 0.25, 0), picture_of_cylinder(-0.2, 0.25, 1)};
-  SweepOptions dear;
-  dear.margin = 255;
+  SweepOptions dear, wide;
+  dear.margin = 255, dear.unmatched_cost = wide.unmatched_cost = dear.prior_cost;
   const Window whole{0, 0, grid.width, grid.height};
   const Costs costs = read(Sweep(frames, grid, {}, {}, {}), whole),
+              relative = read(Sweep(frames, grid, {}, {}, wide), whole),
               old = read(Sweep(frames, grid, {}, {}, dear), whole);
   int unmatched = 0;
   for (int p = 0; p < grid.width * grid.height; ++p) {
-    const uint8_t *cost = costs.cost.data() + p * 16, *before = old.cost.data() + p * 16;
+    const uint8_t *cost = costs.cost.data() + p * 16, *near_best = relative.cost.data() + p * 16,
+                  *before = old.cost.data() + p * 16;
     int least = dear.prior_cost;
     bool sure = true;
     std::array<bool, 16> twice{};
@@ -288,8 +290,9 @@ TEST(Sweep, WhatFewerThanTwoCamerasSeeCostsLittleMoreThanTheBestMatch) {
     }
     for (int label = 0; sure && label < 16; ++label) {
       const bool matched = twice[static_cast<size_t>(label)];
-      const int wanted = matched ? before[label] : std::min<int>(before[label], std::min(least + 4, dear.prior_cost));
-      ASSERT_EQ(cost[label], wanted) << p << " label " << label;
+      const int wanted = matched ? before[label] : std::min<int>(before[label], std::min(least + 2, dear.prior_cost));
+      ASSERT_EQ(near_best[label], wanted) << p << " label " << label;
+      ASSERT_EQ(cost[label], matched ? wanted : std::min(wanted, 8)) << p << " label " << label;
       unmatched += !matched && wanted < dear.prior_cost;
     }
   }
