@@ -1,17 +1,15 @@
-// The back-ends behind open_camera, open_button, open_status and their checks; one vendor library per source file.
+// The functions behind the rows of hardware.h; one vendor library per source file.
 #pragma once
 
 #include <memory>
 
-#include "button.h"
-#include "camera.h"
-#include "status.h"
-#include "url.h"
+#include "drivers/interface/button.h"
+#include "drivers/interface/camera.h"
+#include "drivers/interface/status.h"
+#include "drivers/interface/url.h"
 
 namespace ldp {
 
-// Each opens what a URL names; its check refuses, in the same words, what opening would refuse for the URL's text
-// alone, and needs no device, network or file.
 void check_v4l2_camera(const Url& url);
 void check_libcamera_camera(const Url& url);
 void check_gpiod_button(const Url& url);

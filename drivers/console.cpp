@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <string>
 
-#include "backends.h"
+#include "drivers/backends.h"
 
 namespace ldp {
 namespace {

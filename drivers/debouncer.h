@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "button.h"
+#include "drivers/interface/button.h"
 
 namespace ldp {
 

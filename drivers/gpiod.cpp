@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "backends.h"
-#include "clocks.h"
-#include "debouncer.h"
-#include "errors.h"
-#include "ticker.h"
+#include "drivers/backends.h"
+#include "drivers/debouncer.h"
+#include "drivers/interface/clocks.h"
+#include "drivers/interface/errors.h"
+#include "drivers/interface/ticker.h"
 
 namespace ldp {
 namespace {

@@ -9,9 +9,9 @@
 #include <limits>
 #include <mutex>
 
-#include "backends.h"
-#include "clocks.h"
-#include "lcm_messages.h"
+#include "drivers/backends.h"
+#include "drivers/interface/clocks.h"
+#include "drivers/lcm_messages.h"
 #include "ldp_lcm/command_t.hpp"
 #include "ldp_lcm/guidance_t.hpp"
 #include "ldp_lcm/progress_t.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "status.h"
+#include "drivers/interface/status.h"
 
 namespace ldp {
 

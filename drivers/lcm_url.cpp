@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "backends.h"
+#include "drivers/backends.h"
 
 namespace ldp {
 namespace {

@@ -17,11 +17,11 @@
 #include <string>
 #include <vector>
 
-#include "backends.h"
-#include "clocks.h"
-#include "errors.h"
-#include "unique_fd.h"
-#include "v4l2_modes.h"
+#include "drivers/backends.h"
+#include "drivers/interface/clocks.h"
+#include "drivers/interface/errors.h"
+#include "drivers/interface/unique_fd.h"
+#include "drivers/v4l2_modes.h"
 
 #define LDP_LIBCAMERA_AT_LEAST(major, minor) \
   (LIBCAMERA_VERSION_MAJOR > (major) || (LIBCAMERA_VERSION_MAJOR == (major) && LIBCAMERA_VERSION_MINOR >= (minor)))

@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "backends.h"
-#include "clocks.h"
-#include "errors.h"
-#include "unique_fd.h"
-#include "v4l2_modes.h"
+#include "drivers/backends.h"
+#include "drivers/interface/clocks.h"
+#include "drivers/interface/errors.h"
+#include "drivers/interface/unique_fd.h"
+#include "drivers/v4l2_modes.h"
 
 namespace ldp {
 namespace {

@@ -1,4 +1,4 @@
-#include "v4l2_modes.h"
+#include "drivers/v4l2_modes.h"
 
 #include <algorithm>
 #include <cmath>

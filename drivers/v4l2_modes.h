@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "camera.h"
-#include "url.h"
+#include "drivers/interface/camera.h"
+#include "drivers/interface/url.h"
 
 namespace ldp {
 

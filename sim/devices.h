@@ -1,13 +1,18 @@
-// Cameras and buttons without hardware: ordinary back-ends of drivers/camera.h and drivers/button.h.
+// Cameras and buttons without hardware: ordinary back-ends of drivers/interface/camera.h and button.h.
 #pragma once
 
 #include <memory>
+#include <span>
 
-#include "button.h"
-#include "camera.h"
-#include "url.h"
+#include "drivers/interface/back_end.h"
+#include "drivers/interface/button.h"
+#include "drivers/interface/camera.h"
+#include "drivers/interface/url.h"
 
 namespace ldp {
+
+std::span<const BackEnd<CameraDevice>> simulated_cameras();
+std::span<const BackEnd<Button>> simulated_buttons();
 
 // Each opens what a URL names; its check refuses what is wrong with the URL's text alone.
 void check_folder_camera(const Url& url);

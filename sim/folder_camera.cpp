@@ -2,9 +2,9 @@
 #include <cctype>
 #include <filesystem>
 
-#include "devices.h"
-#include "images.h"
-#include "playback_camera.h"
+#include "core/photos/images.h"
+#include "sim/devices.h"
+#include "sim/playback_camera.h"
 
 namespace ldp {
 namespace {

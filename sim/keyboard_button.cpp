@@ -4,9 +4,9 @@
 
 #include <deque>
 
-#include "clocks.h"
-#include "devices.h"
-#include "errors.h"
+#include "drivers/interface/clocks.h"
+#include "drivers/interface/errors.h"
+#include "sim/devices.h"
 
 namespace ldp {
 namespace {

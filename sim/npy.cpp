@@ -1,4 +1,4 @@
-#include "npy.h"
+#include "sim/npy.h"
 
 #include <bit>
 #include <string>

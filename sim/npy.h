@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "plane.h"
+#include "core/base/plane.h"
 
 namespace ldp {
 

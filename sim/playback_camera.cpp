@@ -1,9 +1,9 @@
-#include "playback_camera.h"
+#include "sim/playback_camera.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "clocks.h"
+#include "drivers/interface/clocks.h"
 
 namespace ldp {
 

@@ -4,9 +4,9 @@
 #include <functional>
 #include <string>
 
-#include "camera.h"
-#include "ticker.h"
-#include "url.h"
+#include "drivers/interface/camera.h"
+#include "drivers/interface/ticker.h"
+#include "drivers/interface/url.h"
 
 namespace ldp {
 

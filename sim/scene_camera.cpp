@@ -3,10 +3,10 @@
 #include <utility>
 #include <vector>
 
-#include "devices.h"
-#include "playback_camera.h"
-#include "scene_capture.h"
-#include "scenes.h"
+#include "sim/devices.h"
+#include "sim/playback_camera.h"
+#include "sim/scene/scenes.h"
+#include "sim/scene_capture.h"
 
 namespace ldp {
 namespace {

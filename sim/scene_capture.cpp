@@ -1,4 +1,4 @@
-#include "scene_capture.h"
+#include "sim/scene_capture.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -7,11 +7,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "images.h"
-#include "npy.h"
-#include "random.h"
-#include "scenes.h"
-#include "transforms.h"
+#include "core/captures/transforms.h"
+#include "core/photos/images.h"
+#include "sim/npy.h"
+#include "sim/scene/random.h"
+#include "sim/scene/scenes.h"
 
 namespace ldp {
 namespace {

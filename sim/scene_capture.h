@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <string>
 
-#include "job.h"
-#include "picture.h"
-#include "sweep_path.h"
+#include "core/base/job.h"
+#include "sim/scene/picture.h"
+#include "sim/scene/sweep_path.h"
 
 namespace ldp {
 

@@ -2,9 +2,9 @@
 #include <sstream>
 #include <vector>
 
-#include "clocks.h"
-#include "devices.h"
-#include "ticker.h"
+#include "drivers/interface/clocks.h"
+#include "drivers/interface/ticker.h"
+#include "sim/devices.h"
 
 namespace ldp {
 namespace {

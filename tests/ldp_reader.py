@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""An independent reader of .ldp files, written from core/ldp/FORMAT.md alone (Python 3.8, Pillow; slow on purpose).
+"""An independent reader of .ldp files, written from core/panorama/file/FORMAT.md alone (Python 3.8, Pillow; slow on purpose).
 
     ldp_reader.py FILE.ldp            prints the header and, for every layer, CRC-32C of its planes
     ldp_reader.py FILE.ldp -o DIR     also writes DIR/layer_N_{disparity,coverage,alpha,colour}.png

@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "geometry.h"
+#include "core/geometry/geometry.h"
 
 namespace ldp {
 
 struct ArcOptions {
-  // Largest radius, in path lengths; straight paths get it. The rays of a larger circle would run parallel, and what the
-  // cameras at its ends see aside would lie far beyond the panorama's ends.
+  // Largest radius, in path lengths; straight paths get it. The rays of a larger circle would run parallel, and what
+  // the cameras at its ends see aside would lie far beyond the panorama's ends.
   double straight_radius_factor = 1.5;
 };
 
@@ -32,8 +32,8 @@ std::string sideways(const std::vector<Camera>& cameras);
 
 struct GridOptions {
   Rays rays = Rays::pushbroom;
-  double pitch_px = 1;   // panorama pitch in photo pixels: d_theta = d_v = pitch_px / focal
-  // Inverse depth to which photos match nearer than the points tell (sweep.h); 0 = not known.
+  double pitch_px = 1;  // panorama pitch in photo pixels: d_theta = d_v = pitch_px / focal
+  // Inverse depth to which photos match nearer than the points tell (cost_volume.h); 0 = not known.
   double matched_near = 0;
   // 0 = from the points (2nd and 98th percentile, or what a few points of three cameras and more surely lie on, with a
   // margin; far becomes infinity when > 100 r) and matched_near.
@@ -42,7 +42,8 @@ struct GridOptions {
 
 // Extends half a field of view past both ends of the path, and to every row that the cameras see; wraps when closed or
 // when 2 pi is reached.
-PanoramaGrid lay_grid(const Arc& arc, const std::vector<Camera>& cameras, const std::vector<ScenePoint>& points, const GridOptions& options);
+PanoramaGrid lay_grid(const Arc& arc, const std::vector<Camera>& cameras, const std::vector<ScenePoint>& points,
+                      const GridOptions& options);
 
 // Rays start on the arc, not in a camera: on a surface at depth z a column as wide as a photo's pixel at infinity spans
 // (r + z) / z of the photo's pixels. How many columns of colour one column of depths is worth at the points' median

@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 
-#include "arc.h"
-#include "exact_math.h"
-#include "job.h"
+#include "core/arc/arc.h"
+#include "core/base/exact_math.h"
+#include "core/base/job.h"
 
 namespace ldp {
 namespace {

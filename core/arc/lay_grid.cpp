@@ -4,8 +4,8 @@
 #include <functional>
 #include <numbers>
 
-#include "arc.h"
-#include "exact_math.h"
+#include "core/arc/arc.h"
+#include "core/base/exact_math.h"
 
 namespace ldp {
 namespace {
@@ -25,7 +25,7 @@ constexpr size_t kSureCameras = 3, kFewestSure = 8;
 constexpr double kSureShare = 0.001;  // of all points, and kFewestSure at least
 
 constexpr double kMargin = 1.15;         // on the near side, for what no feature point was found on
-constexpr int kWidest = 65535;           // columns that a file holds (core/ldp/FORMAT.md)
+constexpr int kWidest = 65535;           // columns that a file holds (core/panorama/file/FORMAT.md)
 constexpr double kFarRadii = 100;        // farther than this many radii is infinity
 constexpr double kFarLabels = 1.5 / 15;  // so is what lies so little of the range from it: skies have no feature points
 

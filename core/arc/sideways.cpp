@@ -1,7 +1,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "arc.h"
+#include "core/arc/arc.h"
 
 namespace ldp {
 namespace {

@@ -6,23 +6,22 @@
 // sample may be mixed with a nearer object's edge, and more where it differs from what most of them see. Colours are
 // read from the photographs themselves (one resampling), few of them in memory at a time: where three or more of the
 // chosen one and those taken beside it see the voxel, what they agree on, with the brightness of the chosen one
-// (agreement.h). What steps remain between photographs are spread over the surfaces on both sides. Does not solve for
+// (blending.h). What steps remain between photographs are spread over the surfaces on both sides. Does not solve for
 // the choice (solve.h).
 #pragma once
 
 #include <array>
 #include <vector>
 
-#include "colour_costs.h"
-#include "disparity.h"
-#include "frames.h"
-#include "gain.h"
-#include "geometry.h"
-#include "job.h"
-#include "panorama.h"
-#include "upright.h"
-#include "visibility.h"
-#include "voxel_projection.h"
+#include "core/base/job.h"
+#include "core/base/source_costs.h"
+#include "core/geometry/disparity.h"
+#include "core/geometry/geometry.h"
+#include "core/geometry/visibility_map.h"
+#include "core/geometry/voxel_projection.h"
+#include "core/photos/exposure_gain.h"
+#include "core/photos/frame_source.h"
+#include "core/photos/upright_frame.h"
 
 namespace ldp {
 

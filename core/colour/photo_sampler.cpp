@@ -1,4 +1,4 @@
-#include "photo_sampler.h"
+#include "core/colour/photo_sampler.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "gain.h"
-#include "geometry.h"
-#include "plane.h"
-#include "voxel_projection.h"
+#include "core/base/plane.h"
+#include "core/geometry/geometry.h"
+#include "core/geometry/voxel_projection.h"
+#include "core/photos/exposure_gain.h"
 
 namespace ldp {
 

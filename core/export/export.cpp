@@ -1,10 +1,10 @@
-#include "export.h"
+#include "core/export/export.h"
 
 #include <algorithm>
 #include <cctype>
 #include <stdexcept>
 
-#include "transforms.h"
+#include "core/captures/transforms.h"
 
 namespace ldp {
 namespace {

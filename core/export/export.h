@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "job.h"
-#include "panorama.h"
+#include "core/base/job.h"
+#include "core/panorama/panorama.h"
 
 namespace ldp {
 

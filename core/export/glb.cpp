@@ -5,9 +5,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "export.h"
-#include "images.h"
-#include "surface.h"
+#include "core/export/export.h"
+#include "core/export/surface.h"
+#include "core/photos/images.h"
 
 namespace ldp {
 namespace {

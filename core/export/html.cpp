@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "export.h"
-#include "images.h"
-#include "surface.h"
-#include "viewer_page.h"
+#include "core/export/export.h"
+#include "core/export/surface.h"
+#include "core/export/viewer_page.h"
+#include "core/photos/images.h"
 
 namespace ldp {
 namespace {

@@ -1,4 +1,4 @@
-#include "surface.h"
+#include "core/export/surface.h"
 
 #include <algorithm>
 #include <array>

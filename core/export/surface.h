@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "job.h"
-#include "panorama.h"
+#include "core/base/job.h"
+#include "core/panorama/panorama.h"
 
 namespace ldp {
 

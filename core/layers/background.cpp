@@ -2,8 +2,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "layers.h"
-#include "neighbours.h"
+#include "core/layers/layers.h"
+#include "core/layers/neighbours.h"
 
 namespace ldp {
 namespace {

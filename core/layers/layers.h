@@ -11,12 +11,12 @@
 
 #include <vector>
 
-#include "cost_source.h"
-#include "disparity.h"
-#include "geometry.h"
-#include "job.h"
-#include "upright.h"
-#include "visibility.h"
+#include "core/base/cost_source.h"
+#include "core/base/job.h"
+#include "core/geometry/disparity.h"
+#include "core/geometry/geometry.h"
+#include "core/geometry/visibility_map.h"
+#include "core/photos/upright_frame.h"
 
 namespace ldp {
 

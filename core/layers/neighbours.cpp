@@ -1,8 +1,8 @@
-#include "neighbours.h"
+#include "core/layers/neighbours.h"
 
 #include <algorithm>
 
-#include "layers.h"
+#include "core/layers/layers.h"
 
 namespace ldp {
 

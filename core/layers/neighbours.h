@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "geometry.h"
+#include "core/geometry/geometry.h"
 
 namespace ldp {
 

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "layers.h"
+#include "core/layers/layers.h"
 
 namespace ldp {
 namespace {

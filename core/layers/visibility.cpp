@@ -3,9 +3,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "layers.h"
-#include "neighbours.h"
-#include "voxel_projection.h"
+#include "core/geometry/voxel_projection.h"
+#include "core/layers/layers.h"
+#include "core/layers/neighbours.h"
 
 namespace ldp {
 namespace {

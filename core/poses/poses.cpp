@@ -1,4 +1,4 @@
-#include "poses.h"
+#include "core/poses/poses.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,10 +6,10 @@
 #include <iterator>
 #include <map>
 
-#include "doubts.h"
-#include "keypoints.h"
-#include "pairs.h"
-#include "reconstruct.h"
+#include "core/poses/features/features.h"
+#include "core/poses/pose_doubt.h"
+#include "core/poses/reconstruct.h"
+#include "core/poses/tracks/geometric_verification.h"
 
 namespace ldp {
 namespace {

@@ -11,9 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "frames.h"
-#include "geometry.h"
-#include "job.h"
+#include "core/base/job.h"
+#include "core/geometry/camera_motion.h"
+#include "core/geometry/geometry.h"
+#include "core/photos/frame_source.h"
 
 namespace ldp {
 
@@ -23,8 +24,6 @@ struct PosesOptions {
   unsigned seed = 1;              // of every random choice
   friend bool operator==(const PosesOptions&, const PosesOptions&) = default;
 };
-
-enum class Motion { arc, straight, rotation };
 
 struct FrameReport {
   std::string name;

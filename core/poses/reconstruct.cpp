@@ -1,4 +1,4 @@
-#include "reconstruct.h"
+#include "core/poses/reconstruct.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,15 +7,16 @@
 #include <numeric>
 #include <utility>
 
-#include "follow.h"
-#include "gather.h"
-#include "general.h"
-#include "guided.h"
-#include "loose.h"
-#include "motion.h"
-#include "reseat.h"
-#include "rounds.h"
-#include "steady.h"
+#include "core/poses/refine/arc_conditioning.h"
+#include "core/poses/refine/corner_tracks.h"
+#include "core/poses/refine/iterative_refinement.h"
+#include "core/poses/refine/resection.h"
+#include "core/poses/refine/smooth_motion.h"
+#include "core/poses/start/incremental_start.h"
+#include "core/poses/start/motion_model.h"
+#include "core/poses/tracks/guided_matching.h"
+#include "core/poses/tracks/klt_tracking.h"
+#include "core/poses/tracks/point_placement.h"
 
 namespace ldp {
 namespace {

@@ -1,4 +1,4 @@
-#include "rectify.h"
+#include "core/rectify/rectify.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,9 @@
 #include <string_view>
 #include <utility>
 
-#include "exposure.h"
-#include "flatten.h"
-#include "resample.h"
+#include "core/photos/exposure_compensation.h"
+#include "core/rectify/background_subtraction.h"
+#include "core/rectify/resample.h"
 
 namespace ldp {
 namespace {

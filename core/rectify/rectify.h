@@ -6,16 +6,16 @@
 // How: the upright camera keeps the photo's centre and, divided by the pitch, its focal length; its image spans the
 // photo's outline, but at most kMaxUprightTangent either side of its axis. Samples are Catmull-Rom interpolated at
 // positions rounded to 1/256 pixel, lens distortion included; integer from photo to sample. Slow shading is taken out
-// first (flatten.h). Gains (exposure.h; gain.h) are one per frame and channel. Photographs are worked on in parallel, as
-// many as fit 32 MiB; each is decoded twice (exposure first, then samples).
+// first (background_subtraction.h). Gains (exposure_compensation.h; exposure_gain.h) are one per frame and channel.
+// Photographs are worked on in parallel, as many as fit 32 MiB; each is decoded twice (exposure first, then samples).
 #pragma once
 
 #include <vector>
 
-#include "frames.h"
-#include "geometry.h"
-#include "job.h"
-#include "upright.h"
+#include "core/base/job.h"
+#include "core/geometry/geometry.h"
+#include "core/photos/frame_source.h"
+#include "core/photos/upright_frame.h"
 
 namespace ldp {
 

@@ -1,4 +1,4 @@
-#include "resample.h"
+#include "core/rectify/resample.h"
 
 #include <Eigen/Geometry>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "exact_math.h"
-#include "rectify.h"
+#include "core/base/exact_math.h"
+#include "core/rectify/rectify.h"
 
 namespace ldp {
 namespace {

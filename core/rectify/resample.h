@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "geometry.h"
-#include "plane.h"
-#include "upright.h"
+#include "core/base/plane.h"
+#include "core/geometry/geometry.h"
+#include "core/photos/upright_frame.h"
 
 namespace ldp {
 

@@ -1,4 +1,4 @@
-#include "depth_problem.h"
+#include "core/solve/depth_problem.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // The depth problem in integers: a cost source and options as a grid source and a smoothness table.
 #pragma once
 
-#include "label_grid.h"
-#include "smoothness.h"
-#include "solve.h"
+#include "core/solve/moves/label_grid.h"
+#include "core/solve/moves/smoothness.h"
+#include "core/solve/solve.h"
 
 namespace ldp {
 

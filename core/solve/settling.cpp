@@ -1,4 +1,4 @@
-#include "settling.h"
+#include "core/solve/settling.h"
 
 #include <algorithm>
 #include <utility>

@@ -5,14 +5,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "cuts.h"
-#include "framed_window.h"
-#include "job.h"
-#include "label_grid.h"
-#include "plane.h"
-#include "slots_taken.h"
-#include "smoothness.h"
-#include "window_scratch.h"
+#include "core/base/job.h"
+#include "core/base/plane.h"
+#include "core/solve/moves/framed_window.h"
+#include "core/solve/moves/label_grid.h"
+#include "core/solve/moves/labelling.h"
+#include "core/solve/moves/smoothness.h"
+#include "core/solve/tiling.h"
+#include "core/solve/window_scratch.h"
 
 namespace ldp {
 

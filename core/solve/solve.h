@@ -7,16 +7,16 @@
 // g is the depth label of the pixel (fixed). Energies are sums of integers, in steps fine enough that lambda times
 // truncation is about 255 of them; energy never rises between steps, and the bytes are the same at any thread count.
 // Does not read images and keeps no volume: it pulls columns from the source once, from left to right, and then the
-// windows once more in which regions moved (regions.h).
+// windows once more in which regions moved (region_moves.h).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
-#include "colour_costs.h"
-#include "cost_source.h"
-#include "job.h"
-#include "plane.h"
+#include "core/base/cost_source.h"
+#include "core/base/job.h"
+#include "core/base/plane.h"
+#include "core/base/source_costs.h"
 
 namespace ldp {
 

@@ -3,10 +3,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "label_grid.h"
-#include "smoothness.h"
-#include "solve.h"
-#include "windows.h"
+#include "core/solve/moves/label_grid.h"
+#include "core/solve/moves/smoothness.h"
+#include "core/solve/solve.h"
+#include "core/solve/windows.h"
 
 namespace ldp {
 

@@ -1,6 +1,6 @@
-#include "depth_problem.h"
-#include "solve.h"
-#include "windows.h"
+#include "core/solve/depth_problem.h"
+#include "core/solve/solve.h"
+#include "core/solve/windows.h"
 
 namespace ldp {
 

@@ -1,4 +1,4 @@
-#include "strip.h"
+#include "core/solve/strip.h"
 
 #include <algorithm>
 #include <array>

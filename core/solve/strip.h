@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "label_grid.h"
-#include "smoothness.h"
+#include "core/solve/moves/label_grid.h"
+#include "core/solve/moves/smoothness.h"
 
 namespace ldp {
 

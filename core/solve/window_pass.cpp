@@ -1,4 +1,4 @@
-#include "window_pass.h"
+#include "core/solve/window_pass.h"
 
 #include <algorithm>
 #include <string>

@@ -8,15 +8,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "cuts.h"
-#include "job.h"
-#include "label_grid.h"
-#include "regions.h"
-#include "slots_taken.h"
-#include "smoothness.h"
-#include "strip.h"
-#include "task_order.h"
-#include "window_scratch.h"
+#include "core/base/job.h"
+#include "core/base/task_order.h"
+#include "core/solve/moves/label_grid.h"
+#include "core/solve/moves/labelling.h"
+#include "core/solve/moves/region_moves.h"
+#include "core/solve/moves/smoothness.h"
+#include "core/solve/strip.h"
+#include "core/solve/tiling.h"
+#include "core/solve/window_scratch.h"
 
 namespace ldp {
 

@@ -1,4 +1,4 @@
-#include "window_scratch.h"
+#include "core/solve/window_scratch.h"
 
 #include <utility>
 

@@ -8,10 +8,10 @@
 #include <mutex>
 #include <vector>
 
-#include "expansion.h"
-#include "job.h"
-#include "label_grid.h"
-#include "smoothness.h"
+#include "core/base/job.h"
+#include "core/solve/moves/alpha_expansion.h"
+#include "core/solve/moves/label_grid.h"
+#include "core/solve/moves/smoothness.h"
 
 namespace ldp {
 

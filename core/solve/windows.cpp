@@ -1,13 +1,13 @@
-#include "windows.h"
+#include "core/solve/windows.h"
 
 #include <algorithm>
 #include <optional>
 #include <utility>
 
-#include "cuts.h"
-#include "regions.h"
-#include "settling.h"
-#include "window_pass.h"
+#include "core/solve/moves/region_moves.h"
+#include "core/solve/settling.h"
+#include "core/solve/tiling.h"
+#include "core/solve/window_pass.h"
 
 namespace ldp {
 

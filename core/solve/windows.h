@@ -1,16 +1,16 @@
 // Solves a labelling problem of any size window by window: each window's labels are improved with everything outside
 // it held fixed, so that the energy of the whole never rises (window_pass.h). Then regions larger than windows move
-// (regions.h), and, where settling_cycles asks for it, the windows that this touched are loaded and solved once more
-// (settling.h).
+// (region_moves.h), and, where settling_cycles asks for it, the windows that this touched are loaded and solved once
+// more (settling.h).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
-#include "job.h"
-#include "label_grid.h"
-#include "slots_taken.h"
-#include "smoothness.h"
+#include "core/base/job.h"
+#include "core/solve/moves/label_grid.h"
+#include "core/solve/moves/labelling.h"
+#include "core/solve/moves/smoothness.h"
 
 namespace ldp {
 

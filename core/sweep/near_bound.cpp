@@ -1,4 +1,4 @@
-#include "sweep.h"
+#include "core/sweep/cost_volume.h"
 
 #include <algorithm>
 #include <array>
@@ -72,7 +72,7 @@ class NearBound {
     return options;
   }
 
-  static Costs read(const Sweep& sweep, const Window& window) {
+  static Costs read(const CostVolume& sweep, const Window& window) {
     Costs cost(static_cast<size_t>(window.width * window.height * sweep.labels())), grey(cost.size());
     sweep.read(window, cost.data(), grey.data());
     return cost;
@@ -105,7 +105,7 @@ class NearBound {
 
   PanoramaGrid all_depths_, nearer_depths_;
   int last_within_;  // label
-  Sweep glance_, sweep_;
+  CostVolume glance_, sweep_;
 };
 
 }  // namespace

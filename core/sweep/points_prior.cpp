@@ -1,4 +1,4 @@
-#include "points_prior.h"
+#include "core/sweep/points_prior.h"
 
 #include <algorithm>
 #include <cmath>

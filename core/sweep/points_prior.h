@@ -7,9 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry.h"
-#include "panorama.h"
-#include "plane.h"
+#include "core/base/plane.h"
+#include "core/geometry/geometry.h"
 
 namespace ldp {
 

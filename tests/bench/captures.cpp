@@ -1,13 +1,13 @@
-#include "captures.h"
+#include "tests/bench/captures.h"
 
 #include <filesystem>
 #include <utility>
 
-#include "arc.h"
-#include "images.h"
-#include "poses.h"
-#include "rectify.h"
-#include "transforms.h"
+#include "core/arc/arc.h"
+#include "core/captures/transforms.h"
+#include "core/photos/images.h"
+#include "core/poses/poses.h"
+#include "core/rectify/rectify.h"
 
 namespace ldp {
 CaptureFrames::CaptureFrames(std::filesystem::path folder, const std::vector<Camera>& cameras)

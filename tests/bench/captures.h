@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "frames.h"
-#include "geometry.h"
-#include "upright.h"
+#include "core/geometry/geometry.h"
+#include "core/photos/frame_source.h"
+#include "core/photos/upright_frame.h"
 
 namespace ldp {
 

@@ -1,5 +1,5 @@
 add_executable(depth_bench depth_bench.cpp depth_truth.cpp captures.cpp)
-target_link_libraries(depth_bench PRIVATE ldp_defaults ldp_poses ldp_arc ldp_images ldp_transforms ldp_rectify ldp_sweep)
+target_link_libraries(depth_bench PRIVATE ldp_defaults ldp_poses ldp_arc ldp_photos ldp_captures ldp_rectify ldp_sweep)
 if(TARGET ldp_solve)
   target_link_libraries(depth_bench PRIVATE ldp_solve)
   target_compile_definitions(depth_bench PRIVATE HAVE_SOLVE)

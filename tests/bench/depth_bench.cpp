@@ -12,16 +12,16 @@
 #include <fstream>
 #include <string>
 
-#include "arc.h"
-#include "captures.h"
-#include "depth_truth.h"
-#include "images.h"
-#include "poses.h"
-#include "rectify.h"
-#include "sweep.h"
-#include "transforms.h"
+#include "core/arc/arc.h"
+#include "core/captures/transforms.h"
+#include "core/photos/images.h"
+#include "core/poses/poses.h"
+#include "core/rectify/rectify.h"
+#include "core/sweep/cost_volume.h"
+#include "tests/bench/captures.h"
+#include "tests/bench/depth_truth.h"
 #ifdef HAVE_SOLVE
-#include "solve.h"
+#include "core/solve/solve.h"
 #endif
 
 namespace ldp {
@@ -141,7 +141,7 @@ int run(const fs::path& capture, Rays rays, const std::string& pictures, const s
     std::printf("%.3f/%.3f/%.3f ", static_cast<double>(frame.gain[0]), static_cast<double>(frame.gain[1]),
                 static_cast<double>(frame.gain[2]));
   std::printf("\n");
-  const Sweep sweep(upright, grid, {}, {}, {});
+  const CostVolume sweep(upright, grid, {}, {}, {});
   Plane<uint8_t> grey, least;
   const auto cheapest = cheapest_labels(sweep, grey, least);
   lap("sweep");

@@ -1,4 +1,4 @@
-#include "depth_truth.h"
+#include "tests/bench/depth_truth.h"
 
 #include <algorithm>
 #include <bit>
@@ -39,12 +39,14 @@ double surface_behind(const Camera& camera, const Plane<float>& depth, const Eig
 Plane<float> read_npy(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   char head[10];
-  if (!in.read(head, 10) || std::memcmp(head, "\x93NUMPY", 6) != 0) throw std::runtime_error("'" + file.string() + "' is no .npy file");
+  if (!in.read(head, 10) || std::memcmp(head, "\x93NUMPY", 6) != 0)
+    throw std::runtime_error("'" + file.string() + "' is no .npy file");
   std::string header(static_cast<uint8_t>(head[8]) + 256u * static_cast<uint8_t>(head[9]), ' ');
   in.read(header.data(), static_cast<std::streamsize>(header.size()));
   const bool half = header.find("<f2") != std::string::npos;
   int height = 0, width = 0;
-  if (std::sscanf(header.c_str() + header.find("'shape'"), "'shape': (%d, %d)", &height, &width) != 2) throw std::runtime_error("shape");
+  if (std::sscanf(header.c_str() + header.find("'shape'"), "'shape': (%d, %d)", &height, &width) != 2)
+    throw std::runtime_error("shape");
   Plane<float> plane(width, height);
   for (float& value : plane.samples) {
     uint16_t bits = 0;
@@ -55,17 +57,18 @@ Plane<float> read_npy(const std::filesystem::path& file) {
   return plane;
 }
 
-DisparityMap true_disparity(const PanoramaGrid& grid, const std::vector<Camera>& cameras, const std::vector<Plane<float>>& depths,
-                            const Job& job) {
-  constexpr int kStep = 8;             // disparity steps between two looks
-  constexpr double kTolerance = 0.4;   // labels of 16 by which surface and ray may miss at the crossing
+DisparityMap true_disparity(const PanoramaGrid& grid, const std::vector<Camera>& cameras,
+                            const std::vector<Plane<float>>& depths, const Job& job) {
+  constexpr int kStep = 8;            // disparity steps between two looks
+  constexpr double kTolerance = 0.4;  // labels of 16 by which surface and ray may miss at the crossing
   constexpr size_t kCameras = 5;
   DisparityMap truth(grid.width, grid.height, kNoDisparity);
   const double tolerance = kTolerance * (grid.w_near - grid.w_far) / 15;
   parallel_for(job, grid.width, [&](int x) {
     const double theta = grid.theta(x + 0.5);
     std::vector<Sight> sights;
-    for (size_t i = 0; i < cameras.size(); ++i) sights.push_back({i, cameras[i].pose.world_from_camera.col(2).dot(grid.arc.outward(theta))});
+    for (size_t i = 0; i < cameras.size(); ++i)
+      sights.push_back({i, cameras[i].pose.world_from_camera.col(2).dot(grid.arc.outward(theta))});
     std::sort(sights.begin(), sights.end(), [](const Sight& a, const Sight& b) { return a.facing > b.facing; });
     sights.resize(std::min(sights.size(), kCameras));
     for (int y = 0; y < grid.height; ++y) {
@@ -78,7 +81,8 @@ DisparityMap true_disparity(const PanoramaGrid& grid, const std::vector<Camera>&
           double gap = surface_behind(cameras[i], depths[i], w * origin + direction, w);
           if (d <= 0 && gap < tolerance) gap = tolerance / 2;  // the sky, or farther than the range
           // In front of the surface before, on or behind it now.
-          if (before[k] < 0 && gap >= 0 && gap <= tolerance) truth.at(x, y) = static_cast<uint16_t>(std::clamp(d, 0, kDisparitySteps));
+          if (before[k] < 0 && gap >= 0 && gap <= tolerance)
+            truth.at(x, y) = static_cast<uint16_t>(std::clamp(d, 0, kDisparitySteps));
           before[k] = gap;
         }
       }

@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <vector>
 
-#include "disparity.h"
-#include "geometry.h"
-#include "job.h"
-#include "plane.h"
+#include "core/base/job.h"
+#include "core/base/plane.h"
+#include "core/geometry/disparity.h"
+#include "core/geometry/geometry.h"
 
 namespace ldp {
 
@@ -17,7 +17,7 @@ Plane<float> read_npy(const std::filesystem::path& file);
 
 // Where each ray first meets a surface that some of the cameras sees, as disparity; kNoDisparity where none does.
 // depths[i] is the z-depth of cameras[i] (infinity = sky).
-DisparityMap true_disparity(const PanoramaGrid& grid, const std::vector<Camera>& cameras, const std::vector<Plane<float>>& depths,
-                            const Job& job);
+DisparityMap true_disparity(const PanoramaGrid& grid, const std::vector<Camera>& cameras,
+                            const std::vector<Plane<float>>& depths, const Job& job);
 
 }  // namespace ldp

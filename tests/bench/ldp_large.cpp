@@ -7,9 +7,9 @@
 #include <exception>
 #include <functional>
 
-#include "images.h"
-#include "ldp_file.h"
-#include "synthetic_panorama.h"
+#include "core/panorama/file/ldp_file.h"
+#include "core/photos/images.h"
+#include "tests/golden/synthetic_panorama.h"
 
 namespace ldp {
 namespace {

@@ -1,4 +1,4 @@
-// Sizes and speeds of an .ldp file against other coders, for the tables of core/ldp/FORMAT.md.
+// Sizes and speeds of an .ldp file against other coders, for the tables of core/panorama/file/FORMAT.md.
 //
 //   ldp_sizes FILE.ldp     best a file with lossless colour, so that quality is measured against the truth
 #include <algorithm>
@@ -12,8 +12,8 @@
 #include <vector>
 
 #include <zlib.h>
-#include "images.h"
-#include "ldp_file.h"
+#include "core/panorama/file/ldp_file.h"
+#include "core/photos/images.h"
 #ifdef LDP_ZSTD
 #include <zstd.h>
 #endif

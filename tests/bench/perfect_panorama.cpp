@@ -22,13 +22,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "arc.h"
-#include "disparity.h"
-#include "images.h"
-#include "panorama.h"
-#include "render.h"
-#include "scenes.h"
-#include "true_surfaces.h"
+#include "core/arc/arc.h"
+#include "core/geometry/disparity.h"
+#include "core/panorama/panorama.h"
+#include "core/photos/images.h"
+#include "core/view/render.h"
+#include "sim/scene/scenes.h"
+#include "tests/bench/true_surfaces.h"
 
 namespace fs = std::filesystem;
 using namespace ldp;

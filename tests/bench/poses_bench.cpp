@@ -18,11 +18,11 @@
 #include <random>
 #include <stdexcept>
 
-#include "arc.h"
-#include "images.h"
-#include "poses.h"
-#include "scene_capture.h"
-#include "scenes.h"
+#include "core/arc/arc.h"
+#include "core/photos/images.h"
+#include "core/poses/poses.h"
+#include "sim/scene/scenes.h"
+#include "sim/scene_capture.h"
 
 namespace {
 

@@ -1,2 +1,2 @@
 add_executable(render_bench render_bench.cpp)
-target_link_libraries(render_bench PRIVATE ldp_render ldp_ldp ldp_images ldp_types ldp_defaults)
+target_link_libraries(render_bench PRIVATE ldp_view ldp_panorama ldp_photos ldp_geometry ldp_defaults)

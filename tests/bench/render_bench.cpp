@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "camera_path.h"
-#include "images.h"
-#include "ldp_file.h"
-#include "render.h"
+#include "core/panorama/file/ldp_file.h"
+#include "core/photos/images.h"
+#include "core/view/camera_path.h"
+#include "core/view/render.h"
 
 namespace ldp {
 namespace {

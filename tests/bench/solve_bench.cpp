@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "depth_problem.h"
-#include "solve_reference.h"
-#include "solve_volumes.h"
+#include "core/solve/depth_problem.h"
+#include "tests/bench/solve_reference.h"
+#include "tests/bench/solve_volumes.h"
 
 namespace ldp {
 namespace {

@@ -3,9 +3,9 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "captures.h"
-#include "solve_volumes.h"
-#include "sweep.h"
+#include "core/sweep/cost_volume.h"
+#include "tests/bench/captures.h"
+#include "tests/bench/solve_volumes.h"
 
 namespace ldp {
 
@@ -27,7 +27,7 @@ Volume whole(const CostSource& source) {
 
 Problem capture_problem(const std::string& folder) {
   const PreparedCapture capture = prepare_capture(folder);
-  return {fs::path(folder).filename(), whole(Sweep(capture.upright, capture.grid, {}, {}, {})), {}, {}, 1};
+  return {fs::path(folder).filename(), whole(CostVolume(capture.upright, capture.grid, {}, {}, {})), {}, {}, 1};
 }
 
 void save_volume(const Volume& volume, const std::string& file) {

@@ -1,10 +1,10 @@
-#include "solve_reference.h"
+#include "tests/bench/solve_reference.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "expansion.h"
+#include "core/solve/moves/alpha_expansion.h"
 
 namespace ldp {
 

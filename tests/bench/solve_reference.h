@@ -2,8 +2,8 @@
 // message passing (Kolmogorov 2006) in floating point. Slow and large on purpose.
 #pragma once
 
-#include "label_grid.h"
-#include "smoothness.h"
+#include "core/solve/moves/label_grid.h"
+#include "core/solve/moves/smoothness.h"
 
 namespace ldp {
 

@@ -1,10 +1,10 @@
-#include "solve_volumes.h"
+#include "tests/bench/solve_volumes.h"
 
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
 
-#include "images.h"
+#include "core/photos/images.h"
 
 namespace ldp {
 

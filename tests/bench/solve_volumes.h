@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "cost_source.h"
-#include "solve.h"
+#include "core/base/cost_source.h"
+#include "core/solve/solve.h"
 
 namespace ldp {
 

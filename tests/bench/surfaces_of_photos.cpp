@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "true_surfaces.h"
+#include "tests/bench/true_surfaces.h"
 
 namespace ldp {
 namespace {

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "picture.h"
-#include "true_surfaces.h"
+#include "sim/scene/picture.h"
+#include "tests/bench/true_surfaces.h"
 
 namespace ldp {
 namespace {

@@ -1,7 +1,7 @@
 find_package(benchmark QUIET)
 if(benchmark_FOUND)
   add_executable(sweep_bench sweep_bench.cpp captures.cpp)
-  target_link_libraries(sweep_bench PRIVATE ldp_sweep ldp_rectify ldp_poses ldp_arc ldp_images ldp_transforms ldp_defaults benchmark::benchmark)
+  target_link_libraries(sweep_bench PRIVATE ldp_sweep ldp_rectify ldp_poses ldp_arc ldp_photos ldp_captures ldp_defaults benchmark::benchmark)
   target_compile_definitions(sweep_bench PRIVATE LDP_SHARED_DATA="${LDP_SHARED_DATA}")
 else()
   message(STATUS "sweep_bench: Google Benchmark is absent, it is left out")

@@ -13,9 +13,9 @@
 #include <optional>
 #include <vector>
 
-#include "captures.h"
-#include "disparity.h"
-#include "slab.h"
+#include "core/geometry/disparity.h"
+#include "core/sweep/cost_slab.h"
+#include "tests/bench/captures.h"
 
 namespace ldp {
 namespace {

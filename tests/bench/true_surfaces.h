@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <vector>
 
-#include "geometry.h"
-#include "job.h"
-#include "plane.h"
-#include "scene.h"
+#include "core/base/job.h"
+#include "core/base/plane.h"
+#include "core/geometry/geometry.h"
+#include "sim/scene/scene.h"
 
 namespace ldp {
 

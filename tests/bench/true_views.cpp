@@ -1,7 +1,7 @@
-#include "depth_truth.h"
-#include "images.h"
-#include "transforms.h"
-#include "true_surfaces.h"
+#include "core/captures/transforms.h"
+#include "core/photos/images.h"
+#include "tests/bench/depth_truth.h"
+#include "tests/bench/true_surfaces.h"
 
 namespace ldp {
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "flow.h"
+#include "tests/flow/flow.h"
 
 namespace ldp {
 namespace {

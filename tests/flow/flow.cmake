@@ -1,5 +1,4 @@
-find_package(nlohmann_json REQUIRED)
-ldp_test(flow_test SOURCES cameras_test.cpp flow_test.cpp outputs_test.cpp scripts_test.cpp USES ldp_images ldp_transforms ldp_types nlohmann_json::nlohmann_json)
+ldp_test(flow_test SOURCES cameras_test.cpp flow_test.cpp outputs_test.cpp scripts_test.cpp USES ldp_photos ldp_captures ldp_geometry nlohmann_json::nlohmann_json)
 target_compile_definitions(flow_test PRIVATE LDP_PROGRAM="$<TARGET_FILE:ldp>" LDP_SOURCE="${PROJECT_SOURCE_DIR}" LDP_BUILD="${PROJECT_BINARY_DIR}")
 add_library(thread_throws MODULE thread_throws.cpp)
 target_compile_definitions(flow_test PRIVATE LDP_THREAD_THROWS="$<TARGET_FILE:thread_throws>")

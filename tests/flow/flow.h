@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "images.h"
+#include "core/photos/images.h"
 
 extern char** environ;
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "flow.h"
+#include "tests/flow/flow.h"
 
 namespace ldp {
 namespace {
@@ -156,7 +156,8 @@ TEST_F(Flow, NamesWhatAFolderHoldsInsteadOfPhotosAndHowToConvertIt) {
   with("phone/b.HEIC");
   expect_refusal(with("phone/a.HEIC"), 2, "in it but 2 .HEIC: convert them in there with: for f in *.HEIC;");
   for (const char* ending : {".webp", ".tiff", ".gif"})
-    expect_refusal(with(std::string("other") + ending + "/a" + ending), 2, "but 1 " + std::string(ending) + ": convert");
+    expect_refusal(with(std::string("other") + ending + "/a" + ending), 2,
+                   "but 1 " + std::string(ending) + ": convert");
   expect_refusal(with("film/a.mov"), 2, "but 1 .mov: take two or three pictures a second out of the film");
   expect_refusal(with("texts/a.txt"), 2, "no .jpg or .png photos in it: give a folder of photos");
 }
@@ -175,7 +176,8 @@ TEST_F(Flow, RefusesAFolderAPhotoAndCamerasThatCannotBeRead) {
   EXPECT_EQ(cut.status, 2);
   EXPECT_THAT(cut.err, HasSubstr("cameras.json: not valid JSON in line 3"));
   EXPECT_THAT(cut.err, testing::Not(HasSubstr("exception")));
-  const Outcome little = ldp({"build", from, "-o", path("a.ldp"), "--cameras", from + "/transforms.json", "--memory", "64"});
+  const Outcome little =
+      ldp({"build", from, "-o", path("a.ldp"), "--cameras", from + "/transforms.json", "--memory", "64"});
   EXPECT_THAT(little.err, HasSubstr(" 64 bytes are allowed"));
   // A folder is named and closed at last: contents() could not look into it.
   fs::permissions(path("photos"), fs::perms::none);
@@ -291,7 +293,8 @@ TEST_F(Flow, NanIsNoNumberToAnyOption) {
       expect_refusal({command, path("x"), option, "nan"}, 2, std::string(option) + ": Value nan");
   for (const char* option : {"--near", "--far"})
     expect_refusal({"build", path("x"), "-o", path("a.ldp"), option, "NaN"}, 2, std::string(option) + ": Value NaN");
-  expect_refusal({"render", path("a.ldp"), "--path", "sway", "-o", path("views"), "--fov", "nan"}, 2, "--fov: Value nan");
+  expect_refusal({"render", path("a.ldp"), "--path", "sway", "-o", path("views"), "--fov", "nan"}, 2,
+                 "--fov: Value nan");
   for (const char* option : {"--arc", "--radius", "--fov", "--k1", "--jitter-position", "--jitter-angle",
                              "--exposure-drift", "--noise", "--blur", "--moving"})
     expect_refusal({"scene", "room", "-o", path("room"), option, "nan"}, 2, std::string(option) + ": Value nan");
@@ -299,11 +302,12 @@ TEST_F(Flow, NanIsNoNumberToAnyOption) {
 }
 
 TEST_F(Flow, ADepthOnTheWrongSideOfThoseOfThePhotosIsRefusedByItsOption) {
-  ASSERT_EQ(ldp({"scene", "room", "-o", path("room"), "--frames", "6", "--arc", "60", "--size", "240x180", "--no-novel"})
-                .status,
-            0);
-  const std::vector<std::string> words{"build", path("room"), "-o", path("a.ldp"), "--cameras",
-                                       path("room/transforms.json")};
+  ASSERT_EQ(
+      ldp({"scene", "room", "-o", path("room"), "--frames", "6", "--arc", "60", "--size", "240x180", "--no-novel"})
+          .status,
+      0);
+  const std::vector<std::string> words{"build",       path("room"), "-o",
+                                       path("a.ldp"), "--cameras",  path("room/transforms.json")};
   const auto with = [&](const std::string& option, const std::string& depth) {
     std::vector<std::string> all = words;
     all.insert(all.end(), {option, depth});

@@ -20,9 +20,10 @@
 #include <sstream>
 #include <thread>
 
-#include "../private_network.h"
-#include "images.h"
-#include "status.h"
+#include "core/photos/images.h"
+#include "device/backends/open.h"
+#include "drivers/interface/status.h"
+#include "tests/private_network.h"
 
 namespace ldp {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "flow.h"
-#include "transforms.h"
+#include "core/captures/transforms.h"
+#include "tests/flow/flow.h"
 
 namespace ldp {
 namespace {

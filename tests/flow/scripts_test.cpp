@@ -1,9 +1,9 @@
-// What the scripts that install and build do before they begin: nothing of the user's is touched, words they do not know
-// are refused. They run from a copy whose toolchain/setup only leaves a note and fails.
+// What the scripts that install and build do before they begin: nothing of the user's is touched, words they do not
+// know are refused. They run from a copy whose toolchain/setup only leaves a note and fails.
 
 #include <cstdlib>
 
-#include "flow.h"
+#include "tests/flow/flow.h"
 
 namespace ldp {
 namespace {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "ldp_file.h"
-#include "sealed_file.h"
+#include "core/panorama/file/ldp_file.h"
+#include "tests/golden/sealed_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::vector<uint8_t> file(data, data + size);

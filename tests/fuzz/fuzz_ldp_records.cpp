@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "records.h"
+#include "core/panorama/file/records.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size < 1) return 0;

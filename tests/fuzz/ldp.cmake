@@ -4,6 +4,5 @@
 #   fuzz_ldp_file CORPUS tests/golden
 foreach(target file depth alpha colour records)
   add_executable(fuzz_ldp_${target} fuzz_ldp_${target}.cpp)
-  target_link_libraries(fuzz_ldp_${target} PRIVATE ldp_ldp ldp_images ldp_defaults -fsanitize=fuzzer)
-  target_include_directories(fuzz_ldp_${target} PRIVATE ${PROJECT_SOURCE_DIR}/core/ldp ${PROJECT_SOURCE_DIR}/tests/golden)
-endforeach()
+  target_link_libraries(fuzz_ldp_${target} PRIVATE ldp_panorama ldp_photos ldp_defaults -fsanitize=fuzzer)
+  endforeach()

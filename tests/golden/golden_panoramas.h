@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "crc32c.h"
-#include "ldp_file.h"
-#include "synthetic_panorama.h"
+#include "core/panorama/file/crc32c.h"
+#include "core/panorama/file/ldp_file.h"
+#include "tests/golden/synthetic_panorama.h"
 
 namespace ldp {
 

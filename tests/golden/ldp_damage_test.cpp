@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "golden_panoramas.h"
-#include "images.h"
-#include "sealed_file.h"
+#include "core/photos/images.h"
+#include "tests/golden/golden_panoramas.h"
+#include "tests/golden/sealed_file.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define LDP_SANITIZED 1

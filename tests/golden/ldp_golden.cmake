@@ -1,14 +1,11 @@
-ldp_test(ldp_golden_test SOURCES ldp_golden_test.cpp USES ldp_ldp ldp_images)
-target_include_directories(ldp_golden_test PRIVATE ${PROJECT_SOURCE_DIR}/core/ldp)
-ldp_test(ldp_damage_test SOURCES ldp_damage_test.cpp USES ldp_ldp ldp_images)
-target_include_directories(ldp_damage_test PRIVATE ${PROJECT_SOURCE_DIR}/core/ldp)
+ldp_test(ldp_golden_test SOURCES ldp_golden_test.cpp USES ldp_panorama ldp_photos)
+ldp_test(ldp_damage_test SOURCES ldp_damage_test.cpp USES ldp_panorama ldp_photos)
 if(NOT CMAKE_CROSSCOMPILING)
   add_test(NAME GoldenDamage.Long COMMAND ldp_damage_test CONFIGURATIONS Long)
   set_tests_properties(GoldenDamage.Long PROPERTIES ENVIRONMENT LDP_FLIPS=100000 TIMEOUT 3600)
 endif()
 add_executable(make_golden make_golden.cpp)
-target_link_libraries(make_golden PRIVATE ldp_ldp ldp_images ldp_defaults)
-target_include_directories(make_golden PRIVATE ${PROJECT_SOURCE_DIR}/core/ldp)
+target_link_libraries(make_golden PRIVATE ldp_panorama ldp_photos ldp_defaults)
 
 # The second reader, written from FORMAT.md, must print the same checksums.
 find_program(LDP_PYTHON NAMES /usr/bin/python3 python3)

@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "golden_panoramas.h"
-#include "images.h"
+#include "core/photos/images.h"
+#include "tests/golden/golden_panoramas.h"
 
 namespace ldp {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <exception>
 
-#include "golden_panoramas.h"
-#include "images.h"
+#include "core/photos/images.h"
+#include "tests/golden/golden_panoramas.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "crc32c.h"
+#include "core/panorama/file/crc32c.h"
 
 namespace ldp {
 

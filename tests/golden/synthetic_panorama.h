@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "disparity.h"
-#include "panorama.h"
+#include "core/geometry/disparity.h"
+#include "core/panorama/panorama.h"
 
 namespace ldp {
 

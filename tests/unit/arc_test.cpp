@@ -1,4 +1,4 @@
-#include "arc.h"
+#include "core/arc/arc.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "job.h"
+#include "core/base/job.h"
 
 namespace ldp {
 namespace {

@@ -1,5 +1,5 @@
 // Storage, the frame writer and the build as a child process.
-#include "capture_store.h"
+#include "device/capture/capture_store.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,9 +9,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "build_child.h"
-#include "frame_writer.h"
-#include "images.h"
+#include "core/photos/images.h"
+#include "device/capture/frame_writer.h"
+#include "device/service/build_child.h"
 
 namespace ldp {
 namespace {

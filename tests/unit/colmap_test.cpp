@@ -1,4 +1,4 @@
-#include "colmap.h"
+#include "core/captures/colmap.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "colour.h"
+#include "core/colour/colour.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <tuple>
 #include <vector>
 
-#include "agreement.h"
-#include "simple_capture.h"
+#include "core/colour/blending.h"
+#include "tests/unit/simple_capture.h"
 
 namespace ldp {
 namespace {

@@ -6,14 +6,14 @@
 #include <filesystem>
 #include <fstream>
 
-#include "backends.h"
-#include "clocks.h"
-#include "debouncer.h"
-#include "devices.h"
-#include "images.h"
-#include "ticker.h"
-#include "url.h"
-#include "v4l2_modes.h"
+#include "core/photos/images.h"
+#include "drivers/backends.h"
+#include "drivers/debouncer.h"
+#include "drivers/interface/clocks.h"
+#include "drivers/interface/ticker.h"
+#include "drivers/interface/url.h"
+#include "drivers/v4l2_modes.h"
+#include "sim/devices.h"
 
 namespace ldp {
 namespace {

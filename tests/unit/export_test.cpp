@@ -1,4 +1,4 @@
-#include "export.h"
+#include "core/export/export.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,11 +8,11 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "flat.h"
-#include "images.h"
-#include "surface.h"
-#include "synthetic_panorama.h"
-#include "transforms.h"
+#include "core/captures/transforms.h"
+#include "core/export/equirectangular.h"
+#include "core/export/surface.h"
+#include "core/photos/images.h"
+#include "tests/golden/synthetic_panorama.h"
 
 namespace ldp {
 namespace {

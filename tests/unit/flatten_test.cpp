@@ -1,4 +1,4 @@
-#include "flatten.h"
+#include "core/rectify/background_subtraction.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "resample.h"
+#include "core/rectify/resample.h"
 
 namespace ldp {
 namespace {

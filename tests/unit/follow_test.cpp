@@ -1,4 +1,4 @@
-#include "follow.h"
+#include "core/poses/tracks/klt_tracking.h"
 
 #include <gtest/gtest.h>
 

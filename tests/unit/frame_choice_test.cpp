@@ -5,10 +5,10 @@
 #include <random>
 #include <vector>
 
-#include "frame_chooser.h"
-#include "frame_pixels.h"
-#include "images.h"
-#include "motion.h"
+#include "core/photos/images.h"
+#include "device/capture/frame_pixels.h"
+#include "device/capture/frame_selection.h"
+#include "device/capture/image_shift.h"
 
 namespace ldp {
 namespace {

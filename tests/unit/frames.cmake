@@ -1,1 +1,1 @@
-ldp_test(frames_test SOURCES frames_test.cpp USES ldp_frames ldp_images)
+ldp_test(frames_test SOURCES frames_test.cpp USES ldp_captures ldp_photos)

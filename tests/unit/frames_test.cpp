@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <string>
 
-#include "folder_frames.h"
-#include "images.h"
-#include "resize.h"
+#include "core/captures/folder_frames.h"
+#include "core/photos/images.h"
+#include "core/photos/resize.h"
 
 namespace ldp {
 namespace {

@@ -1,4 +1,4 @@
-#include "gather.h"
+#include "core/poses/refine/corner_tracks.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,12 +7,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "corners.h"
-#include "keypoints.h"
-#include "occupied.h"
-#include "picture.h"
-#include "scenes.h"
-#include "sweep_path.h"
+#include "core/poses/features/corners.h"
+#include "core/poses/features/features.h"
+#include "core/poses/features/occupancy_grid.h"
+#include "sim/scene/picture.h"
+#include "sim/scene/scenes.h"
+#include "sim/scene/sweep_path.h"
 
 namespace ldp {
 namespace {

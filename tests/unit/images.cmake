@@ -1,1 +1,1 @@
-ldp_test(images_test SOURCES images_test.cpp USES ldp_images)
+ldp_test(images_test SOURCES images_test.cpp USES ldp_photos)

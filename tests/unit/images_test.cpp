@@ -1,4 +1,4 @@
-#include "images.h"
+#include "core/photos/images.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

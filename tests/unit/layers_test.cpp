@@ -1,4 +1,4 @@
-#include "layers.h"
+#include "core/layers/layers.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stop_token>
 
-#include "simple_capture.h"
+#include "tests/unit/simple_capture.h"
 
 namespace ldp {
 namespace {

@@ -7,9 +7,10 @@
 #include <memory>
 #include <random>
 
-#include "../private_network.h"
-#include "lcm_messages.h"
-#include "status.h"
+#include "device/backends/open.h"
+#include "drivers/interface/status.h"
+#include "drivers/lcm_messages.h"
+#include "tests/private_network.h"
 
 namespace ldp {
 namespace {

@@ -5,12 +5,12 @@
 #include <functional>
 #include <random>
 
-#include "colour_packing.h"
-#include "crc32c.h"
-#include "ldp_file.h"
-#include "range_coder.h"
-#include "sealed_file.h"
-#include "synthetic_panorama.h"
+#include "core/panorama/file/colour_packing.h"
+#include "core/panorama/file/crc32c.h"
+#include "core/panorama/file/ldp_file.h"
+#include "core/panorama/file/range_coder.h"
+#include "tests/golden/sealed_file.h"
+#include "tests/golden/synthetic_panorama.h"
 
 namespace ldp {
 namespace {

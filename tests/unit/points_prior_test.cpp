@@ -1,4 +1,4 @@
-#include "points_prior.h"
+#include "core/sweep/points_prior.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "simple_capture.h"
+#include "tests/unit/simple_capture.h"
 
 namespace ldp {
 namespace {

@@ -1,4 +1,6 @@
-#include "poses.h"
+#include "core/poses/poses.h"
+#include "core/poses/start/rotation_averaging.h"
+#include "core/poses/tracks/point_placement.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,24 +11,24 @@
 #include <numbers>
 #include <random>
 
-#include "bundle.h"
-#include "doubts.h"
-#include "guided.h"
-#include "lens_bends.h"
-#include "likeness.h"
-#include "loners.h"
-#include "loose.h"
-#include "matches.h"
-#include "motion.h"
-#include "picture.h"
-#include "points.h"
-#include "reseat.h"
-#include "rounds.h"
-#include "scenes.h"
-#include "spherical.h"
-#include "steady.h"
-#include "sweep_path.h"
-#include "whole_tracks.h"
+#include "core/poses/adjust/bundle_adjustment.h"
+#include "core/poses/adjust/depth_outliers.h"
+#include "core/poses/adjust/distortion_model.h"
+#include "core/poses/adjust/robust_tracks.h"
+#include "core/poses/features/descriptor_distance.h"
+#include "core/poses/features/descriptor_matching.h"
+#include "core/poses/pose_doubt.h"
+#include "core/poses/refine/arc_conditioning.h"
+#include "core/poses/refine/iterative_refinement.h"
+#include "core/poses/refine/resection.h"
+#include "core/poses/refine/smooth_motion.h"
+#include "core/poses/start/motion_model.h"
+#include "core/poses/start/spherical_motion.h"
+#include "core/poses/tracks/guided_matching.h"
+#include "core/poses/tracks/tracks.h"
+#include "sim/scene/picture.h"
+#include "sim/scene/scenes.h"
+#include "sim/scene/sweep_path.h"
 
 namespace ldp {
 namespace {

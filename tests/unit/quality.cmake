@@ -1,1 +1,1 @@
-ldp_test(quality_test SOURCES quality_test.cpp USES ldp_quality)
+ldp_test(quality_test SOURCES quality_test.cpp USES ldp_view)

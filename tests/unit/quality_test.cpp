@@ -1,4 +1,4 @@
-#include "quality.h"
+#include "core/view/image_quality.h"
 
 #include <gtest/gtest.h>
 

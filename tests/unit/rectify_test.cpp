@@ -1,4 +1,4 @@
-#include "rectify.h"
+#include "core/rectify/rectify.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "simple_capture.h"
+#include "tests/unit/simple_capture.h"
 
 namespace ldp {
 namespace {

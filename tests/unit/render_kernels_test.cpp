@@ -1,4 +1,4 @@
-#include "kernels.h"
+#include "core/view/raster/raster_kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "plane.h"
+#include "core/base/plane.h"
 
 namespace ldp::render::kernels {
 namespace {

@@ -1,4 +1,4 @@
-#include "render.h"
+#include "core/view/render.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include "camera_path.h"
-#include "disparity.h"
+#include "core/geometry/disparity.h"
+#include "core/view/camera_path.h"
 
 namespace ldp {
 namespace {

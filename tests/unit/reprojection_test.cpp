@@ -1,4 +1,4 @@
-#include "reprojection.h"
+#include "core/poses/adjust/reprojection_error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "scene.h"
+#include "sim/scene/scene.h"
 
 #include <gtest/gtest.h>
 
@@ -7,12 +7,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "npy.h"
-#include "picture.h"
-#include "random.h"
-#include "scene_capture.h"
-#include "scenes.h"
-#include "sweep_path.h"
+#include "sim/npy.h"
+#include "sim/scene/picture.h"
+#include "sim/scene/random.h"
+#include "sim/scene/scenes.h"
+#include "sim/scene/sweep_path.h"
+#include "sim/scene_capture.h"
 
 namespace ldp {
 namespace {

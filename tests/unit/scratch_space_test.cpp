@@ -1,4 +1,4 @@
-#include "scratch_space.h"
+#include "core/base/scratch_space.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "job.h"
-#include "plane.h"
+#include "core/base/job.h"
+#include "core/base/plane.h"
 
 namespace ldp {
 namespace {

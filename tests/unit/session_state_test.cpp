@@ -1,4 +1,4 @@
-#include "session_state.h"
+#include "device/service/session_state.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sift_kernels.h"
+#include "core/poses/features/sift_kernels.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sift.h"
+#include "core/poses/features/sift.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "exact_math.h"
+#include "core/base/exact_math.h"
 
 namespace ldp {
 namespace {

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "frames.h"
-#include "geometry.h"
-#include "plane.h"
-#include "upright.h"
+#include "core/base/plane.h"
+#include "core/geometry/geometry.h"
+#include "core/photos/frame_source.h"
+#include "core/photos/upright_frame.h"
 
 namespace ldp::test {
 

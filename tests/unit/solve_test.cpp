@@ -1,4 +1,4 @@
-#include "solve.h"
+#include "core/solve/solve.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,12 +11,12 @@
 #include <mutex>
 #include <random>
 
-#include "depth_problem.h"
-#include "expansion.h"
-#include "label_grid.h"
-#include "regions.h"
-#include "smoothness.h"
-#include "task_order.h"
+#include "core/base/task_order.h"
+#include "core/solve/depth_problem.h"
+#include "core/solve/moves/alpha_expansion.h"
+#include "core/solve/moves/label_grid.h"
+#include "core/solve/moves/region_moves.h"
+#include "core/solve/moves/smoothness.h"
 
 namespace ldp {
 namespace {

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "kernels.h"
+#include "core/sweep/sweep_kernels.h"
 
 namespace ldp::kernels {
 namespace {

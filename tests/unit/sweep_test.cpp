@@ -1,4 +1,4 @@
-#include "sweep.h"
+#include "core/sweep/cost_volume.h"
 
 #include <gtest/gtest.h>
 
@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "kernels.h"
-#include "membrane.h"
-#include "simple_capture.h"
-#include "smooth.h"
+#include "core/sweep/sweep_kernels.h"
+#include "core/sweep/weak_membrane.h"
+#include "core/sweep/weighted_median.h"
+#include "tests/unit/simple_capture.h"
 
 namespace ldp {
 namespace {
@@ -53,14 +53,14 @@ struct Costs {
   std::vector<uint8_t> cost, grey;
 };
 
-Costs read(const Sweep& sweep, const Window& window) {
+Costs read(const CostVolume& sweep, const Window& window) {
   const auto size = static_cast<size_t>(window.width * window.height * sweep.labels());
   Costs costs{std::vector<uint8_t>(size), std::vector<uint8_t>(size)};
   sweep.read(window, costs.cost.data(), costs.grey.data());
   return costs;
 }
 
-TEST(Sweep, SurfacesOfOneGreyAreToldByTheirTint) {
+TEST(CostVolume, SurfacesOfOneGreyAreToldByTheirTint) {
   const int label = 9;
   const double w = 0.6 * label / 15;
   const PanoramaGrid grid = simple_grid(0.6);
@@ -69,7 +69,7 @@ TEST(Sweep, SurfacesOfOneGreyAreToldByTheirTint) {
     frame.tint = frame.columns;
     std::fill(frame.columns.samples.begin(), frame.columns.samples.end(), uint8_t{100});
   }
-  const Sweep sweep(frames, grid, {}, {}, {});
+  const CostVolume sweep(frames, grid, {}, {}, {});
   const Costs costs = read(sweep, {40, 20, 20, 20});
   for (size_t pixel = 0; pixel < 400; ++pixel) {
     const auto first = costs.cost.begin() + static_cast<std::ptrdiff_t>(16 * pixel);
@@ -94,18 +94,18 @@ int costs_of_a_pixel(const Costs& costs, size_t pixel) {
   return static_cast<int>(std::set<int>(first, first + 16).size());
 }
 
-TEST(Sweep, SmallDifferencesOfAPlainSurfaceTellNoLabelsApart) {
+TEST(CostVolume, SmallDifferencesOfAPlainSurfaceTellNoLabelsApart) {
   const PanoramaGrid grid = simple_grid(0.6);
   const Window window{30, 15, 40, 30};
-  const Costs plain = read(Sweep(shaded_pictures(4), grid, {}, {}, {}), window),
-              textured = read(Sweep(shaded_pictures(40), grid, {}, {}, {}), window);
+  const Costs plain = read(CostVolume(shaded_pictures(4), grid, {}, {}, {}), window),
+              textured = read(CostVolume(shaded_pictures(40), grid, {}, {}, {}), window);
   for (size_t pixel = 0; pixel < 1200; ++pixel) {
     ASSERT_EQ(costs_of_a_pixel(plain, pixel), 1) << pixel;
     ASSERT_GT(costs_of_a_pixel(textured, pixel), 4) << pixel;
   }
 }
 
-TEST(Sweep, PlainSurfacesAreDrawnToFeaturePoints) {
+TEST(CostVolume, PlainSurfacesAreDrawnToFeaturePoints) {
   const PanoramaGrid grid = simple_grid(0.6);
   std::vector<ScenePoint> points;
   for (int x = 20; x < 80; x += 4)
@@ -114,25 +114,25 @@ TEST(Sweep, PlainSurfacesAreDrawnToFeaturePoints) {
   SweepOptions with;
   with.points = &points;
   const Window window{30, 15, 40, 30};
-  const Costs drawn = read(Sweep(shaded_pictures(4), grid, {}, {}, with), window),
-              plain = read(Sweep(shaded_pictures(4), grid, {}, {}, {}), window);
+  const Costs drawn = read(CostVolume(shaded_pictures(4), grid, {}, {}, with), window),
+              plain = read(CostVolume(shaded_pictures(4), grid, {}, {}, {}), window);
   for (size_t i = 0; i < drawn.cost.size(); ++i) {
     const int beyond = std::max(0, std::abs(static_cast<int>(i % 16) - 6) - 1);
     ASSERT_EQ(drawn.cost[i], plain.cost[i] + (std::min(beyond, 6) + 1) / 2) << i;
   }
-  EXPECT_EQ(read(Sweep(shaded_pictures(40), grid, {}, {}, with), window).cost,
-            read(Sweep(shaded_pictures(40), grid, {}, {}, {}), window).cost);
+  EXPECT_EQ(read(CostVolume(shaded_pictures(40), grid, {}, {}, with), window).cost,
+            read(CostVolume(shaded_pictures(40), grid, {}, {}, {}), window).cost);
   const DisparityMap front(grid.width, grid.height, 9 * kDisparitySteps / 15);
-  EXPECT_EQ(read(Sweep(shaded_pictures(4), grid, {}, front, with), window).cost,
-            read(Sweep(shaded_pictures(4), grid, {}, front, {}), window).cost);
+  EXPECT_EQ(read(CostVolume(shaded_pictures(4), grid, {}, front, with), window).cost,
+            read(CostVolume(shaded_pictures(4), grid, {}, front, {}), window).cost);
 }
 
-TEST(Sweep, APlainSurfaceIsStillToldFromAnotherOne) {
+TEST(CostVolume, APlainSurfaceIsStillToldFromAnotherOne) {
   const PanoramaGrid grid = simple_grid(0.6);
   const auto halves = [](double theta, double) { return theta > 0 ? 100.0 : 160.0; };
   const std::vector<UprightFrame> frames = {picture_of_cylinder(0.2, 0.36, 0, halves),
                                             picture_of_cylinder(-0.2, 0.36, 1, halves)};
-  const Costs costs = read(Sweep(frames, grid, {}, {}, {}), {30, 20, 40, 1});
+  const Costs costs = read(CostVolume(frames, grid, {}, {}, {}), {30, 20, 40, 1});
   int others = 0, equal = 0;
   for (const uint8_t cost : costs.cost) {
     others += cost > 20;
@@ -142,13 +142,13 @@ TEST(Sweep, APlainSurfaceIsStillToldFromAnotherOne) {
   EXPECT_GT(equal, 100);
 }
 
-TEST(Sweep, PlainSurfacesCostTheSameInAnyWindow) {
+TEST(CostVolume, PlainSurfacesCostTheSameInAnyWindow) {
   const PanoramaGrid grid = simple_grid(0.6);
   const auto frames = shaded_pictures(9);
   DisparityMap front(grid.width, grid.height, 9 * kDisparitySteps / 15);
   for (int y = 0; y < grid.height; y += 2) std::fill_n(front.row(y), grid.width, 4 * kDisparitySteps / 15);
   for (const DisparityMap& behind : {DisparityMap(), front}) {
-    const Sweep sweep(frames, grid, {}, behind, {});
+    const CostVolume sweep(frames, grid, {}, behind, {});
     const Costs whole = read(sweep, {0, 0, grid.width, grid.height});
     for (int y = 10; y < 50; ++y) {
       const Window window{31, y, 9, 1};
@@ -161,7 +161,7 @@ TEST(Sweep, PlainSurfacesCostTheSameInAnyWindow) {
   }
 }
 
-TEST(Sweep, OnTheFrontLayerTheNearestCameraSeesWhatOthersDoNot) {
+TEST(CostVolume, OnTheFrontLayerTheNearestCameraSeesWhatOthersDoNot) {
   const PanoramaGrid grid = simple_grid(0.6);
   const std::vector<UprightFrame> frames = pictures(0.36);
   std::vector<VisibilityMap> hiding(frames.size());  // all beyond a depth of 5
@@ -172,20 +172,20 @@ TEST(Sweep, OnTheFrontLayerTheNearestCameraSeesWhatOthersDoNot) {
   }
   const SweepOptions options;
   const Window window{40, 20, 10, 10};
-  const Costs front = read(Sweep(frames, grid, hiding, {}, options), window);
+  const Costs front = read(CostVolume(frames, grid, hiding, {}, options), window);
   const DisparityMap nearest(grid.width, grid.height, kDisparitySteps);
-  const Costs behind = read(Sweep(frames, grid, hiding, nearest, options), window);
+  const Costs behind = read(CostVolume(frames, grid, hiding, nearest, options), window);
   constexpr int kHidden = 3, kSeen = 9;  // labels at depths 8.3 and 2.8
   EXPECT_EQ(front.cost[kHidden], options.prior_cost);
   EXPECT_EQ(behind.cost[kHidden], kernels::kLargestVariance);
   EXPECT_EQ(front.cost[kSeen], behind.cost[kSeen]);
 }
 
-TEST(Sweep, FindsTheLabelOfACylinderEverywhere) {
+TEST(CostVolume, FindsTheLabelOfACylinderEverywhere) {
   const PanoramaGrid grid = simple_grid(0.6);
   for (const int label : {4, 10, 15}) {
     const auto frames = pictures(grid.inverse_depth(label * kDisparitySteps / 15.0));
-    const Sweep sweep(frames, grid, {}, {}, {});
+    const CostVolume sweep(frames, grid, {}, {}, {});
     const Window window{20, 10, 60, 40};
     const Costs costs = read(sweep, window);
     for (int p = 0; p < window.width * window.height; ++p) {
@@ -195,10 +195,10 @@ TEST(Sweep, FindsTheLabelOfACylinderEverywhere) {
   }
 }
 
-TEST(Sweep, AnyWindowGivesWhatTheWholeGives) {
+TEST(CostVolume, AnyWindowGivesWhatTheWholeGives) {
   const PanoramaGrid grid = simple_grid(0.6);
   const auto frames = pictures(0.25);
-  const Sweep sweep(frames, grid, {}, {}, {});
+  const CostVolume sweep(frames, grid, {}, {}, {});
   const Costs whole = read(sweep, {0, 0, grid.width, grid.height});
   for (const Window& window : {Window{0, 0, 7, 9}, Window{93, 51, 7, 9}, Window{31, 0, 1, 60}, Window{0, 17, 100, 1}}) {
     const Costs part = read(sweep, window);
@@ -212,23 +212,23 @@ TEST(Sweep, AnyWindowGivesWhatTheWholeGives) {
   }
 }
 
-TEST(Sweep, LabelsInFrontOfTheLayerBeforeAreForbidden) {
+TEST(CostVolume, LabelsInFrontOfTheLayerBeforeAreForbidden) {
   const PanoramaGrid grid = simple_grid(0.6);
   const auto frames = pictures(0.25);
   const DisparityMap front(grid.width, grid.height, 8 * kDisparitySteps / 15);
-  const Sweep sweep(frames, grid, {}, front, {});
+  const CostVolume sweep(frames, grid, {}, front, {});
   const Costs costs = read(sweep, {50, 30, 1, 1});
   for (size_t label = 0; label < 16; ++label) EXPECT_EQ(costs.cost[label] == 255, label >= 8) << label;
 }
 
-TEST(Sweep, LabelsBehindHaveTheGreysOfASweepOfAllAndThoseInFrontTheGreyOfTheNearestBehind) {
+TEST(CostVolume, LabelsBehindHaveTheGreysOfASweepOfAllAndThoseInFrontTheGreyOfTheNearestBehind) {
   const PanoramaGrid grid = simple_grid(0.6);
   const auto frames = pictures(0.25);
   DisparityMap front(grid.width, grid.height);
   std::mt19937 random(5);
   for (uint16_t& d : front.samples) d = static_cast<uint16_t>(random() % 3 == 0 ? random() % kDisparitySteps : 0);
   std::fill(front.row(3), front.row(3) + grid.width, kNoDisparity);
-  const Sweep all(frames, grid, {}, {}, {}), behind(frames, grid, {}, front, {});
+  const CostVolume all(frames, grid, {}, {}, {}), behind(frames, grid, {}, front, {});
   const Window window{50, 0, 23, 40};
   const Costs expected = read(all, window), found = read(behind, window);
   size_t at = 0;
@@ -265,15 +265,15 @@ std::pair<int, int> cameras_seeing(const std::vector<UprightFrame>& frames, cons
   return {inside, maybe};
 }
 
-TEST(Sweep, WhatFewerThanTwoCamerasSeeCostsLittleMoreThanTheBestMatch) {
+TEST(CostVolume, WhatFewerThanTwoCamerasSeeCostsLittleMoreThanTheBestMatch) {
   const PanoramaGrid grid = simple_grid(0.6);
   const std::vector<UprightFrame> frames = {picture_of_cylinder(0.2, 0.25, 0), picture_of_cylinder(-0.2, 0.25, 1)};
   SweepOptions dear, wide;
   dear.margin = 255, dear.unmatched_cost = wide.unmatched_cost = dear.prior_cost;
   const Window whole{0, 0, grid.width, grid.height};
-  const Costs costs = read(Sweep(frames, grid, {}, {}, {}), whole),
-              relative = read(Sweep(frames, grid, {}, {}, wide), whole),
-              old = read(Sweep(frames, grid, {}, {}, dear), whole);
+  const Costs costs = read(CostVolume(frames, grid, {}, {}, {}), whole),
+              relative = read(CostVolume(frames, grid, {}, {}, wide), whole),
+              old = read(CostVolume(frames, grid, {}, {}, dear), whole);
   int unmatched = 0;
   for (int p = 0; p < grid.width * grid.height; ++p) {
     const uint8_t *cost = costs.cost.data() + p * 16, *near_best = relative.cost.data() + p * 16,
@@ -299,14 +299,14 @@ TEST(Sweep, WhatFewerThanTwoCamerasSeeCostsLittleMoreThanTheBestMatch) {
   EXPECT_GT(unmatched, 500);
 }
 
-TEST(Sweep, RefusesOptionsOutsideTheirRange) {
+TEST(CostVolume, RefusesOptionsOutsideTheirRange) {
   const PanoramaGrid grid = simple_grid(0.6);
   const auto frames = pictures(0.25);
   SweepOptions options;
   options.substeps = 0;
-  EXPECT_THROW(Sweep(frames, grid, {}, {}, options), std::logic_error);
-  EXPECT_THROW(Sweep(frames, grid, {}, DisparityMap(3, 3), {}), std::logic_error);
-  EXPECT_THROW(Sweep(frames, grid, std::vector<VisibilityMap>(2), {}, {}), std::logic_error);
+  EXPECT_THROW(CostVolume(frames, grid, {}, {}, options), std::logic_error);
+  EXPECT_THROW(CostVolume(frames, grid, {}, DisparityMap(3, 3), {}), std::logic_error);
+  EXPECT_THROW(CostVolume(frames, grid, std::vector<VisibilityMap>(2), {}, {}), std::logic_error);
 }
 
 // Within the range but for what meets theta from -0.3 to -0.06, which is nearer by half.
@@ -361,7 +361,7 @@ TEST(Refine, FindsDepthsBetweenLabels) {
   const PanoramaGrid grid = simple_grid(0.6);
   for (const double label : {4.3, 9.6, 12.45}) {
     const auto frames = pictures(grid.inverse_depth(label * kDisparitySteps / 15));
-    const Sweep sweep(frames, grid, {}, {}, {});
+    const CostVolume sweep(frames, grid, {}, {}, {});
     const Plane<uint8_t> labels(grid.width, grid.height, static_cast<uint8_t>(std::lround(label)));
     const DisparityMap refined = refine(sweep, labels, {}, {});
     for (int y = 10; y < 50; ++y)
@@ -373,7 +373,7 @@ TEST(Refine, FindsDepthsBetweenLabels) {
 TEST(Refine, LeavesOutWhatTheMaskLeavesOutAndIsTheSameAtAnyThreadCount) {
   const PanoramaGrid grid = simple_grid(0.6);
   const auto frames = pictures(0.25);
-  const Sweep sweep(frames, grid, {}, {}, {});
+  const CostVolume sweep(frames, grid, {}, {}, {});
   const Plane<uint8_t> labels(grid.width, grid.height, 6);
   Plane<uint8_t> mask(grid.width, grid.height, 0);
   for (int y = 20; y < 30; ++y) std::fill(mask.row(y) + 40, mask.row(y) + 60, uint8_t{1});

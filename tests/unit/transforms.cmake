@@ -1,1 +1,1 @@
-ldp_test(transforms_test SOURCES transforms_test.cpp colmap_test.cpp USES ldp_transforms)
+ldp_test(transforms_test SOURCES transforms_test.cpp colmap_test.cpp USES ldp_captures)

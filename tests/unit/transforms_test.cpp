@@ -1,4 +1,4 @@
-#include "transforms.h"
+#include "core/captures/transforms.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,10 +5,10 @@
 #include <numbers>
 #include <random>
 
-#include "disparity.h"
-#include "gain.h"
-#include "geometry.h"
-#include "job.h"
+#include "core/base/job.h"
+#include "core/geometry/disparity.h"
+#include "core/geometry/geometry.h"
+#include "core/photos/exposure_gain.h"
 
 namespace ldp {
 namespace {

@@ -1,6 +1,6 @@
-// A plugin of qemu-user (interface version 1, QEMU 4.2 and later): how many instructions ran at each address. At the end
-// it writes lines "COUNT ADDRESS" in hexadecimal to the file named by LDP_INSTRUCTIONS, then the process's memory map.
-// Counts are exact for one thread. The declarations are those of qemu-plugin.h, which no Debian package holds.
+// A plugin of qemu-user (interface version 1, QEMU 4.2 and later): how many instructions ran at each address. At the
+// end it writes lines "COUNT ADDRESS" in hexadecimal to the file named by LDP_INSTRUCTIONS, then the process's memory
+// map. Counts are exact for one thread. The declarations are those of qemu-plugin.h, which no Debian package holds.
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>

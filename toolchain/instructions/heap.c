@@ -42,4 +42,6 @@ void free(void* block) {
   __libc_free(block);
 }
 
-__attribute__((destructor)) static void print(void) { fprintf(stderr, "heap peak %zu KiB\n", atomic_load(&peak) / 1024); }
+__attribute__((destructor)) static void print(void) {
+  fprintf(stderr, "heap peak %zu KiB\n", atomic_load(&peak) / 1024);
+}

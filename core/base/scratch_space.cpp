@@ -1,0 +1,191 @@
+#include "core/base/scratch_space.h"
+
+#include <fcntl.h>
+#include <linux/magic.h>
+#include <sys/mman.h>
+#include <sys/statvfs.h>
+#include <sys/vfs.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+namespace ldp {
+namespace {
+
+constexpr uint64_t kStaysFree = 64 << 20;        // bytes of the disk
+constexpr std::chrono::milliseconds kLook{4};    // between two looks at what the process holds
+constexpr std::chrono::milliseconds kPause{50};  // after letting go: what is held nevertheless is not held by arrays
+
+std::mutex& mutex() {
+  static std::mutex one;
+  return one;
+}
+
+// Under the mutex: the arrays that are mapped, the folder for new ones, empty where there is no scratch space, and the
+// bytes that the process may hold.
+std::map<void*, size_t>& arrays() {
+  static std::map<void*, size_t> all;
+  return all;
+}
+std::string& folder() {
+  static std::string one;
+  return one;
+}
+size_t& budget() {
+  static size_t bytes = 0;
+  return bytes;
+}
+
+class File {
+ public:
+  // Without a name from the beginning: nothing stays when the process dies.
+  explicit File(const std::string& in) {
+    std::string name = in + "/.scratch-XXXXXX";
+    descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
+    if (descriptor_ >= 0) ::unlink(name.c_str());
+  }
+  ~File() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  int descriptor() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
+bool is_memory(const std::string& folder) {
+  struct statfs system;
+  if (::statfs(folder.c_str(), &system) != 0) return false;
+  const auto type = static_cast<uint32_t>(system.f_type);
+  return type == TMPFS_MAGIC || type == RAMFS_MAGIC;
+}
+
+// At once: on a disk that fills up later a write to a mapping would kill the process. Some of the disk stays free for
+// what is written meanwhile.
+bool take_room(int file, size_t bytes) {
+  struct statvfs disk;
+  if (::fstatvfs(file, &disk) != 0) return false;
+  const uint64_t free = uint64_t{disk.f_bavail} * disk.f_frsize;
+  return free >= bytes + kStaysFree && ::fallocate(file, 0, 0, static_cast<off_t>(bytes)) == 0;
+}
+
+// Bytes of the process that are in memory.
+size_t resident_bytes() {
+  char text[128] = {};
+  const int file = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+  if (file < 0) return 0;
+  const ssize_t got = ::read(file, text, sizeof(text) - 1);
+  ::close(file);
+  size_t all = 0, resident = 0;
+  if (got <= 0 || std::sscanf(text, "%zu %zu", &all, &resident) != 2) return 0;
+  return resident * static_cast<size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+// Under the mutex.
+void let_go() {
+  for (const auto& [array, bytes] : arrays()) ::madvise(array, bytes, MADV_DONTNEED);
+}
+
+}  // namespace
+
+// Looks at what the process holds, and lets go.
+struct ScratchSpace::Keeper {
+  std::mutex waiting;
+  std::condition_variable woken;
+  bool over = false;
+  std::thread thread;
+
+  Keeper() : thread([this] { run(); }) {}
+  ~Keeper() {
+    {
+      const std::lock_guard lock(waiting);
+      over = true;
+    }
+    woken.notify_one();
+    thread.join();
+  }
+
+  void run() {
+    std::unique_lock lock(waiting);
+    std::chrono::milliseconds wait = kLook;
+    while (!woken.wait_for(lock, wait, [this] { return over; })) wait = let_go_if_full() ? kLook : kPause;
+  }
+
+  // Whether the process is within its budget now.
+  static bool let_go_if_full() {
+    const std::lock_guard lock(mutex());
+    if (resident_bytes() <= budget()) return true;
+    let_go();
+    return resident_bytes() <= budget();
+  }
+};
+
+void let_go_if_full() {
+  const std::unique_lock lock(mutex(), std::try_to_lock);
+  if (lock.owns_lock() && !folder().empty() && resident_bytes() > budget()) let_go();
+}
+
+ScratchSpace::ScratchSpace(const std::string& in, size_t resident_bytes) {
+  if (File(in).descriptor() < 0)
+    throw std::runtime_error(in + ": cannot make a file for scratch space: " + std::strerror(errno));
+  if (is_memory(in)) throw std::runtime_error(in + ": no scratch space, files there are in memory too");
+  auto keeper = std::make_unique<Keeper>();
+  const std::lock_guard lock(mutex());
+  if (!folder().empty()) throw std::logic_error("there is a scratch space already");
+  folder() = in;
+  budget() = resident_bytes;
+  keeper_ = std::move(keeper);
+}
+
+ScratchSpace::~ScratchSpace() {
+  keeper_.reset();
+  const std::lock_guard lock(mutex());
+  folder().clear();
+}
+
+size_t ScratchSpace::bytes() const {
+  const std::lock_guard lock(mutex());
+  size_t sum = 0;
+  for (const auto& [array, bytes] : arrays()) sum += bytes;
+  return sum;
+}
+
+void* map_scratch(size_t bytes) {
+  std::string in;
+  {
+    const std::lock_guard lock(mutex());
+    if (folder().empty()) return nullptr;
+    if (resident_bytes() > budget()) let_go();
+    in = folder();
+  }
+  const File file(in);
+  if (file.descriptor() < 0 || !take_room(file.descriptor(), bytes)) return nullptr;
+  void* array = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file.descriptor(), 0);
+  if (array == MAP_FAILED) return nullptr;
+  const std::lock_guard lock(mutex());
+  arrays().emplace(array, bytes);
+  return array;
+}
+
+bool unmap_scratch(void* array) noexcept {
+  const std::lock_guard lock(mutex());
+  const auto found = arrays().find(array);
+  if (found == arrays().end()) return false;
+  ::munmap(array, found->second);
+  arrays().erase(found);
+  return true;
+}
+
+}  // namespace ldp

@@ -1,0 +1,230 @@
+#include "core/captures/folder_frames.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include "core/captures/transforms.h"
+#include "core/photos/resize.h"
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+fs::directory_iterator entries_of(const fs::path& folder) {
+  std::error_code error;
+  fs::directory_iterator entries(folder, error);
+  if (error)
+    throw std::runtime_error(folder.string() + ": cannot be read (" + error.message() + "): check its permissions");
+  return entries;
+}
+
+// In lower case, with its dot.
+std::string ending_of(const fs::path& file) {
+  std::string ending = file.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
+
+// What to do where a folder has no photos but something that can become some; empty where it has nothing of the kind.
+std::string what_else(const fs::path& folder) {
+  std::map<std::string, int> pictures, films;
+  for (const auto& entry : entries_of(folder)) {
+    const std::string ending = ending_of(entry.path());
+    if (entry.path().filename().string().starts_with('.')) continue;
+    for (const char* kind : {".heic", ".heif", ".avif", ".webp", ".tif", ".tiff", ".gif", ".bmp", ".dng"})
+      if (ending == kind) ++pictures[entry.path().extension().string()];
+    for (const char* kind : {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".3gp"})
+      if (ending == kind) ++films[entry.path().extension().string()];
+  }
+  const auto list = [](const std::map<std::string, int>& kinds) {
+    std::string text;
+    for (const auto& [ending, count] : kinds) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + ending;
+    return text;
+  };
+  const auto common = [](const std::map<std::string, int>& kinds) {
+    return std::max_element(kinds.begin(), kinds.end(), [](auto& a, auto& b) { return a.second < b.second; })->first;
+  };
+  const auto command = [](const std::string& ending) {
+    const std::string kind = ending_of("a" + ending);
+    if (kind == ".heic" || kind == ".heif" || kind == ".avif")
+      return "with: for f in *" + ending + "; do heif-convert -q 95 \"$f\" \"${f%.*}.jpg\"; done";
+    return "with: mogrify -format jpg -quality 95 '*" + ending + "'";
+  };
+  if (!pictures.empty())
+    return "no .jpg or .png photos in it but " + list(pictures) + ": convert them in there " +
+           command(common(pictures));
+  if (!films.empty())
+    return "no .jpg or .png photos in it but " + list(films) +
+           ": take two or three pictures a second out of the film in there with: ffmpeg -i FILM" + common(films) +
+           " -vf fps=3 -q:v 2 %04d.jpg";
+  return {};
+}
+
+bool is_photo(const fs::directory_entry& entry) {
+  const std::string ending = ending_of(entry.path());
+  const bool hidden = entry.path().filename().string().starts_with('.');
+  return !hidden && (ending == ".jpg" || ending == ".jpeg" || ending == ".png") && entry.is_regular_file();
+}
+
+std::string text_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
+
+ImageSize one_size_of(const std::vector<fs::path>& files, const fs::path& folder) {
+  for (const fs::path& file : files)
+    if (::access(file.c_str(), R_OK) != 0)
+      throw std::runtime_error(file.string() + ": cannot be read (" + std::strerror(errno) +
+                               "): check its permissions");
+  const ImageSize first = read_image_size(files.front());
+  for (const fs::path& file : files) {
+    const ImageSize size = read_image_size(file);
+    if (size == first) continue;
+    throw std::runtime_error(folder.string() + ": photos of two sizes, " + files.front().filename().string() + " is " +
+                             text_of(first) + " and " + file.filename().string() + " " + text_of(size) +
+                             ": keep only the photos of one sweep");
+  }
+  return first;
+}
+
+ImageSize shrunk(ImageSize stored, int64_t max_pixels) {
+  const double pixels = static_cast<double>(stored.width) * stored.height;
+  if (pixels <= static_cast<double>(max_pixels)) return stored;
+  const double scale = std::sqrt(static_cast<double>(max_pixels) / pixels);
+  return {std::max(1, static_cast<int>(stored.width * scale)), std::max(1, static_cast<int>(stored.height * scale))};
+}
+
+Camera scaled(Camera camera, ImageSize size) {
+  Intrinsics& in = camera.intrinsics;
+  const double x = static_cast<double>(size.width) / in.width, y = static_cast<double>(size.height) / in.height;
+  // Rounding to whole pixels changes the shape by less than one of them.
+  if (std::abs(x / y - 1) > 1.5 / std::min({in.width, in.height, size.width, size.height})) {
+    throw std::runtime_error("camera " + camera.name + ": its image is " + text_of({in.width, in.height}) +
+                             ", the photos are " + text_of(size) + ": give cameras of uncropped photos");
+  }
+  in.fx *= x;
+  in.cx *= x;
+  in.fy *= y;
+  in.cy *= y;
+  in.width = size.width;
+  in.height = size.height;
+  return camera;
+}
+
+std::optional<double> positive(const nlohmann::json& json, const char* key) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_number() || !(found->get<double>() > 0)) return std::nullopt;
+  return found->get<double>();
+}
+
+std::string words(const nlohmann::json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+}  // namespace
+
+bool precedes_naturally(const std::string& a, const std::string& b) {
+  size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (!is_digit(a[i]) || !is_digit(b[j])) {
+      if (a[i] != b[j]) return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
+      ++i;
+      ++j;
+      continue;
+    }
+    const auto number = [](const std::string& text, size_t& at) {
+      while (at < text.size() && text[at] == '0') ++at;
+      const size_t begin = at;
+      while (at < text.size() && is_digit(text[at])) ++at;
+      return text.substr(begin, at - begin);
+    };
+    const std::string m = number(a, i), n = number(b, j);
+    if (m != n) return m.size() != n.size() ? m.size() < n.size() : m < n;
+  }
+  const bool a_ended = i == a.size(), b_ended = j == b.size();
+  return a_ended && b_ended ? a < b : a_ended;
+}
+
+std::vector<fs::path> list_photos(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : entries_of(folder)) {
+    if (is_photo(entry)) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return precedes_naturally(a.filename().string(), b.filename().string());
+  });
+  return files;
+}
+
+FolderFrames::FolderFrames(const fs::path& folder, const FolderFramesOptions& options)
+    : orientation_(options.orientation) {
+  if (options.max_pixels < 1024) throw std::logic_error("FolderFrames: max_pixels must be at least 1024");
+  if (!fs::exists(folder)) throw std::runtime_error(folder.string() + ": there is no such folder: check the name");
+  if (!fs::is_directory(folder))
+    throw std::runtime_error(folder.string() + ": is not a folder: give a folder of photos");
+  files_ = list_photos(folder);
+  if (files_.empty() && fs::is_directory(folder / "frames")) files_ = list_photos(folder / "frames");
+  if (files_.empty()) {
+    const std::string other = what_else(fs::is_directory(folder / "frames") ? folder / "frames" : folder);
+    throw std::runtime_error(folder.string() + ": " +
+                             (other.empty() ? "no .jpg or .png photos in it: give a folder of photos" : other));
+  }
+  stored_ = upright(one_size_of(files_, folder), orientation_);
+  working_ = shrunk(stored_, options.max_pixels);
+}
+
+std::string FolderFrames::name(int index) const { return files_.at(static_cast<size_t>(index)).filename().string(); }
+
+RgbImage FolderFrames::load(int index) const {
+  const fs::path& file = files_.at(static_cast<size_t>(index));
+  if (working_ == stored_) return upright(read_image(file), orientation_);
+  // Decoding at a whole fraction of the size saves memory; the rest of the way is averaged.
+  const int64_t enough = int64_t{4} * working_.width * working_.height;
+  RgbImage photo = upright(read_photo(file, std::max<int64_t>(enough, 4'000'000)).image, orientation_);
+  return resize_by_area(photo, working_.width, working_.height);
+}
+
+std::optional<double> FolderFrames::focal_hint(int index) const {
+  return read_focal_hint(files_.at(static_cast<size_t>(index)));
+}
+
+std::vector<Camera> FolderFrames::fit(const std::vector<Camera>& cameras) const {
+  std::vector<Camera> fitted;
+  for (int i = 0; i < size(); ++i) {
+    const Camera* camera = find_camera(cameras, name(i));
+    if (camera == nullptr) continue;
+    fitted.push_back(scaled(*camera, working_));
+    fitted.back().name = name(i);
+  }
+  return fitted;
+}
+
+CaptureNotes read_capture_notes(const fs::path& folder) {
+  CaptureNotes notes;
+  const fs::path file = folder / "capture.json";
+  if (!fs::exists(file)) return notes;
+  const std::vector<uint8_t> bytes = read_file(file);
+  const auto json = nlohmann::json::parse(bytes, nullptr, false);
+  if (!json.is_object()) {
+    throw std::runtime_error(file.string() + ": is not a JSON object: repair it, or remove it to do without");
+  }
+  notes.arm_length = positive(json, "arm_length");
+  if (const auto degrees = positive(json, "fov_degrees")) notes.fov_rad = *degrees * std::numbers::pi / 180;
+  notes.device = words(json, "device");
+  notes.captured_utc = words(json, "begin_utc");
+  return notes;
+}
+
+}  // namespace ldp

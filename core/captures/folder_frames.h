@@ -1,0 +1,64 @@
+// A capture folder as a source of frames, and what its capture.json says about it.
+//
+// Takes a folder of .jpg, .jpeg or .png photos of any names (upper or lower case), in name order with numbers by value;
+// when the folder itself holds none, its subfolder `frames`. Gives every frame at one working size: photos larger than
+// `max_pixels` are scaled down, so that memory is bounded by that and not by the camera.
+// Photos of several sizes, no photo at all, or an unreadable one are refused, naming the file. Nothing is decoded
+// before it is asked for.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/geometry.h"
+#include "core/photos/frame_source.h"
+#include "core/photos/images.h"
+
+namespace ldp {
+
+struct FolderFramesOptions {
+  int64_t max_pixels = 2'100'000;  // 1920x1080 passes as it is
+  int orientation = 1;  // as EXIF numbers them, of what the photos' own leave: a camera that was mounted on its side
+};
+
+class FolderFrames : public FrameSource {
+ public:
+  // Throws std::runtime_error naming the folder or file and what to do.
+  explicit FolderFrames(const std::filesystem::path& folder, const FolderFramesOptions& options = {});
+
+  int size() const override { return static_cast<int>(files_.size()); }
+  std::string name(int index) const override;
+  RgbImage load(int index) const override;
+  std::optional<double> focal_hint(int index) const override;
+
+  ImageSize stored_size() const { return stored_; }    // size of the files, upright
+  ImageSize working_size() const { return working_; }  // of every frame as loaded
+
+  // The same cameras for frames of the working size; those that no photo is named after are left out. Throws
+  // std::runtime_error when a camera's image has another shape than the photos.
+  std::vector<Camera> fit(const std::vector<Camera>& cameras) const;
+
+ private:
+  std::vector<std::filesystem::path> files_;
+  ImageSize stored_, working_;
+  int orientation_;
+};
+
+// Photos of a folder in order. Empty when there is none.
+std::vector<std::filesystem::path> list_photos(const std::filesystem::path& folder);
+
+// "b" after "a", "frame_10" after "frame_9".
+bool precedes_naturally(const std::string& a, const std::string& b);
+
+// What a build wants to know from capture.json. All absent when there is no such file.
+struct CaptureNotes {
+  std::optional<double> arm_length;  // metres
+  std::optional<double> fov_rad;     // horizontal, of photos as they are stored
+  std::string device, captured_utc;
+};
+CaptureNotes read_capture_notes(const std::filesystem::path& folder);
+
+}  // namespace ldp

@@ -1,0 +1,251 @@
+#include "core/captures/transforms.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
+
+#include "core/base/exact_math.h"
+#include "core/photos/images.h"
+
+namespace ldp {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// One frame's fields with the file's as fall-back, and the words to refuse either.
+class Fields {
+ public:
+  Fields(const Json& file, const Json& frame, std::string where)
+      : file_(file), frame_(frame), where_(std::move(where)) {}
+
+  [[noreturn]] void refuse(const std::string& what) const { throw std::runtime_error(where_ + ": " + what); }
+
+  bool has(const char* key) const { return frame_.contains(key) || file_.contains(key); }
+
+  double number(const char* key) const {
+    const Json* value = find(key);
+    if (!value) refuse(std::string(key) + " is missing");
+    if (!value->is_number()) refuse(std::string(key) + " is not a number");
+    return value->get<double>();
+  }
+  double number(const char* key, double otherwise) const { return has(key) ? number(key) : otherwise; }
+
+  double positive(const char* key) const {
+    const double value = number(key);
+    if (!(value > 0)) refuse(std::string(key) + " must be positive");
+    return value;
+  }
+
+  int side(const char* key) const {
+    const double value = number(key);
+    if (value != std::floor(value) || value < 1 || value > kMaxImageSide)
+      refuse(std::string(key) + " must be a whole number of pixels from 1 to " + std::to_string(kMaxImageSide));
+    return static_cast<int>(value);
+  }
+
+  std::string text(const char* key, const std::string& otherwise) const {
+    const Json* value = find(key);
+    return value && value->is_string() ? value->get<std::string>() : otherwise;
+  }
+
+ private:
+  const Json* find(const char* key) const {
+    if (const auto in_frame = frame_.find(key); in_frame != frame_.end()) return &*in_frame;
+    if (const auto in_file = file_.find(key); in_file != file_.end()) return &*in_file;
+    return nullptr;
+  }
+
+  const Json& file_;
+  const Json& frame_;
+  std::string where_;
+};
+
+double focal(const Fields& fields, const char* length, const char* angle, int side) {
+  if (fields.has(length)) return fields.positive(length);
+  const double radians = fields.positive(angle);
+  if (radians >= 3.14) fields.refuse(std::string(angle) + " must be less than pi");
+  return side / (2 * std::tan(radians / 2));
+}
+
+void refuse_other_models(const Fields& fields) {
+  for (const char* key : {"k3", "k4"})
+    if (fields.number(key, 0) != 0) fields.refuse(std::string(key) + " is not supported: undistort the photos first");
+  const std::string model = fields.text("camera_model", "OPENCV");
+  for (const char* known : {"OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "PERSPECTIVE"})
+    if (model == known) return;
+  fields.refuse("camera_model " + model + " is not supported: pinhole cameras with k1 k2 p1 p2 are");
+}
+
+Intrinsics intrinsics_of(const Fields& fields) {
+  refuse_other_models(fields);
+  Intrinsics k;
+  k.width = fields.side("w");
+  k.height = fields.side("h");
+  if (!fields.has("fl_x") && !fields.has("camera_angle_x")) fields.refuse("fl_x is missing (and so is camera_angle_x)");
+  k.fx = focal(fields, "fl_x", "camera_angle_x", k.width);
+  k.fy = fields.has("fl_y") || fields.has("camera_angle_y") ? focal(fields, "fl_y", "camera_angle_y", k.height) : k.fx;
+  k.cx = fields.number("cx", k.width / 2.0);
+  k.cy = fields.number("cy", k.height / 2.0);
+  k.k1 = fields.number("k1", 0);
+  k.k2 = fields.number("k2", 0);
+  k.p1 = fields.number("p1", 0);
+  k.p2 = fields.number("p2", 0);
+  return k;
+}
+
+Eigen::Matrix4d matrix_of(const Json& frame, const Fields& fields) {
+  const auto rows = frame.find("transform_matrix");
+  if (rows == frame.end()) fields.refuse("transform_matrix is missing");
+  if (!rows->is_array() || rows->size() < 3 || rows->size() > 4) fields.refuse("transform_matrix must have 4 rows");
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  for (size_t r = 0; r < rows->size(); ++r) {
+    const Json& row = (*rows)[r];
+    if (!row.is_array() || row.size() != 4) fields.refuse("transform_matrix must have 4 numbers in each row");
+    for (size_t c = 0; c < 4; ++c) {
+      if (!row[c].is_number()) fields.refuse("transform_matrix must hold numbers only");
+      matrix(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = row[c].get<double>();
+    }
+  }
+  return matrix;
+}
+
+// OpenGL's camera axes (right, up, back) against ours (right, down, forward).
+const Eigen::Vector3d kOpenGlFromOurs(1, -1, -1);
+
+Pose pose_of(const Json& frame, const Fields& fields) {
+  const Eigen::Matrix4d matrix = matrix_of(frame, fields);
+  if (!matrix.allFinite()) fields.refuse("transform_matrix must hold finite numbers only");
+  Pose pose;
+  pose.world_from_camera = matrix.topLeftCorner<3, 3>() * kOpenGlFromOurs.asDiagonal();
+  pose.centre = matrix.topRightCorner<3, 1>();
+  const double skew =
+      (pose.world_from_camera.transpose() * pose.world_from_camera - Eigen::Matrix3d::Identity()).norm();
+  if (skew > 1e-3 || pose.world_from_camera.determinant() < 0)
+    fields.refuse(
+        "transform_matrix is not a rotation and a position (its columns must be unit, orthogonal and right-handed)");
+  // Numbers written with few digits: back to a rotation, by the iteration R (3 I - R'R) / 2, which converges squared.
+  for (int i = 0; i < 4 && skew > 1e-12; ++i) {
+    const Eigen::Matrix3d r = pose.world_from_camera;
+    for (int j = 0; j < 3; ++j) {
+      const Eigen::Vector3d column = 3 * Eigen::Matrix3d::Identity().col(j) - exact_transposed_product(r, r.col(j));
+      pose.world_from_camera.col(j) = 0.5 * exact_product(r, column);
+    }
+  }
+  return pose;
+}
+
+std::string last_part(const std::string& path) {
+  const size_t slash = path.find_last_of("/\\");
+  return slash == std::string::npos ? path : path.substr(slash + 1);
+}
+
+std::string_view without_extension(std::string_view name) {
+  const size_t dot = name.rfind('.');
+  return dot == std::string_view::npos || dot == 0 ? name : name.substr(0, dot);
+}
+
+Camera camera_of(const Json& file, const Json& frame, const std::string& where) {
+  if (!frame.is_object()) throw std::runtime_error(where + ": is not an object");
+  const Fields fields(file, frame, where);
+  const auto path = frame.find("file_path");
+  if (path == frame.end() || !path->is_string()) fields.refuse("file_path is missing");
+  const std::string name = last_part(path->get<std::string>());
+  if (name.empty()) fields.refuse("file_path names no file");
+  const Fields named(file, frame, where + " (" + name + ")");
+  return {name, intrinsics_of(named), pose_of(frame, named)};
+}
+
+bool same(const Intrinsics& a, const Intrinsics& b) {
+  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy &&
+         a.k1 == b.k1 && a.k2 == b.k2 && a.p1 == b.p1 && a.p2 == b.p2;
+}
+
+void put(Json& json, const Intrinsics& k) {
+  json["w"] = k.width;
+  json["h"] = k.height;
+  json["fl_x"] = k.fx;
+  json["fl_y"] = k.fy;
+  json["cx"] = k.cx;
+  json["cy"] = k.cy;
+  json["k1"] = k.k1;
+  json["k2"] = k.k2;
+  json["p1"] = k.p1;
+  json["p2"] = k.p2;
+}
+
+Json rows_of(const Pose& pose) {
+  const Eigen::Matrix3d axes = pose.world_from_camera * kOpenGlFromOurs.asDiagonal();
+  Json rows = Json::array();
+  for (Eigen::Index r = 0; r < 3; ++r) rows.push_back({axes(r, 0), axes(r, 1), axes(r, 2), pose.centre(r)});
+  rows.push_back({0, 0, 0, 1});
+  return rows;
+}
+
+}  // namespace
+
+std::vector<Camera> parse_transforms(std::string_view text, const std::string& name) {
+  Json json;
+  try {
+    json = Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    const std::string_view before = text.substr(0, std::min(error.byte > 0 ? error.byte - 1 : 0, text.size()));
+    throw std::runtime_error(name + ": not valid JSON in line " +
+                             std::to_string(1 + std::count(before.begin(), before.end(), '\n')) +
+                             ": was it cut short or edited by hand?");
+  } catch (const Json::exception&) {
+    throw std::runtime_error(name + ": not valid JSON: a number in it is too large");
+  }
+  if (!json.is_object() || !json.contains("frames") || !json["frames"].is_array())
+    throw std::runtime_error(name + ": no list \"frames\": is this a transforms.json?");
+  std::vector<Camera> cameras;
+  std::set<std::string> names;
+  for (const Json& frame : json["frames"]) {
+    const std::string where = name + ": frame " + std::to_string(cameras.size());
+    cameras.push_back(camera_of(json, frame, where));
+    if (!names.insert(cameras.back().name).second)
+      throw std::runtime_error(where + ": a second frame named " + cameras.back().name);
+  }
+  return cameras;
+}
+
+std::vector<Camera> read_transforms(const std::filesystem::path& file) {
+  const std::vector<uint8_t> bytes = read_file(file);
+  return parse_transforms({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string());
+}
+
+std::string transforms_json(std::span<const Camera> cameras) {
+  const bool shared = !cameras.empty() && std::all_of(cameras.begin(), cameras.end(), [&](const Camera& camera) {
+    return same(camera.intrinsics, cameras.front().intrinsics);
+  });
+  Json json;
+  json["software"] = "ldp";
+  json["camera_model"] = "OPENCV";
+  if (shared) put(json, cameras.front().intrinsics);
+  json["frames"] = Json::array();
+  for (const Camera& camera : cameras) {
+    Json frame;
+    frame["file_path"] = camera.name;
+    if (!shared) put(frame, camera.intrinsics);
+    frame["transform_matrix"] = rows_of(camera.pose);
+    json["frames"].push_back(std::move(frame));
+  }
+  return json.dump(1) + "\n";
+}
+
+void write_transforms(const std::filesystem::path& file, std::span<const Camera> cameras) {
+  const std::string text = transforms_json(cameras);
+  write_file(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+const Camera* find_camera(std::span<const Camera> cameras, std::string_view photo_name) {
+  for (const Camera& camera : cameras)
+    if (camera.name == photo_name) return &camera;
+  for (const Camera& camera : cameras)
+    if (without_extension(camera.name) == without_extension(photo_name)) return &camera;
+  return nullptr;
+}
+
+}  // namespace ldp

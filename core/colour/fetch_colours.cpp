@@ -1,0 +1,259 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "core/colour/blending.h"
+#include "core/colour/colour.h"
+#include "core/colour/photo_sampler.h"
+#include "core/colour/seam_levelling.h"
+
+namespace ldp {
+namespace {
+
+constexpr int kRowsAtOnce = 16;
+constexpr int kCompareEvery = 4;  // pixels, both ways: enough to compare photographs' brightness
+constexpr int kSameSurface = kDisparitySteps / (kLabels - 1);
+
+// One pixel of a border, met while its neighbour's photograph is in memory. Small: where a camera moves forward, there
+// are millions.
+struct SeamPixel {
+  uint16_t x = 0;  // no file is wider
+  uint8_t other = 0, side = 0;
+  std::array<int16_t, 3> seen{};
+};
+
+std::array<int16_t, 3> narrowed(const Colour& c) {
+  const auto channel = [](int v) { return static_cast<int16_t>(std::clamp(v, INT16_MIN, INT16_MAX)); };
+  return {channel(c[0]), channel(c[1]), channel(c[2])};
+}
+
+Rgb stored(const Colour& c) {
+  const auto channel = [](int v) {
+    return static_cast<uint8_t>(std::clamp((v + kColourSteps / 2) / kColourSteps, 0, 255));
+  };
+  return {channel(c[0]), channel(c[1]), channel(c[2])};
+}
+
+// A pixel, and who sees it.
+struct Voxel {
+  int x = 0, y = 0;
+  double w = 0;  // inverse depth
+  uint8_t source = 0, witnesses = 0;
+
+  bool seen_by(int photo) const {
+    const int offset = photo - source;
+    return offset == 0 || (std::abs(offset) <= kBeside && (witnesses >> witness_bit(offset) & 1) != 0);
+  }
+};
+
+// The photographs around the one that is taken from, in memory.
+class OpenPhotographs {
+ public:
+  OpenPhotographs(const PanoramaGrid& grid, const Photographs& photographs)
+      : grid_(grid), photographs_(photographs), open_(photographs.cameras.size()) {}
+
+  void load(int index) {
+    const auto i = static_cast<size_t>(index);
+    open_[i].emplace(Open{photographs_.frames.load(photographs_.frame_of_camera[i]),
+                          PhotoSampler(grid_, photographs_.cameras[i], photographs_.gains[i])});
+  }
+  void close(int index) {
+    if (index >= 0) open_[static_cast<size_t>(index)].reset();
+  }
+
+  Colour sample(int index, const Voxel& voxel) const {
+    const Open& open = *open_[static_cast<size_t>(index)];
+    return open.sampler.sample(open.picture, voxel.x, voxel.y, voxel.w);
+  }
+
+  // What those around photograph `index` show of a voxel that they see: visit(witness, colour).
+  template <typename Visit>
+  void ask_witnesses(int index, const Voxel& voxel, const Visit& visit) const {
+    const int last = static_cast<int>(open_.size()) - 1;
+    for (int other = std::max(0, index - kBeside); other <= std::min(last, index + kBeside); ++other) {
+      if (other == index || !voxel.seen_by(other)) continue;
+      const Open& open = *open_[static_cast<size_t>(other)];
+      if (const auto c = open.sampler.sample_if_inside(open.picture, voxel.x, voxel.y, voxel.w))
+        visit(witness_bit(other - index), *c);
+    }
+  }
+
+ private:
+  struct Open {
+    RgbImage picture;
+    PhotoSampler sampler;
+  };
+
+  const PanoramaGrid& grid_;
+  const Photographs& photographs_;
+  std::vector<std::optional<Open>> open_;  // one per camera
+};
+
+// What photograph `index` and its witnesses agree on.
+Colour agreed_colour(const OpenPhotographs& open, const BrightnessDifferences& differences, int index,
+                     const Voxel& voxel) {
+  const Colour own = open.sample(index, voxel);
+  std::array<Colour, 1 + kWitnesses> samples{own};
+  size_t count = 1;
+  open.ask_witnesses(index, voxel, [&](int witness, const Colour& c) {
+    const auto brighter = differences.at(voxel.x, voxel.y, witness);
+    if (!brighter) return;
+    for (size_t k = 0; k < 3; ++k) samples[count][k] = c[k] - (*brighter)[k];
+    ++count;
+  });
+  return agreed({samples.data(), count});
+}
+
+class LayerFetch {
+ public:
+  LayerFetch(const PanoramaGrid& grid, const ColourTask& task) : grid_(grid), task_(task) {
+    seams_of_row_.resize(static_cast<size_t>(grid.height));
+    find_spans();
+  }
+
+  // Adds by how much each witness is brighter than photograph `index`, where a cell is taken from it.
+  void compare(const OpenPhotographs& open, const BrightnessDifferences& cells, uint8_t index, int column, int row,
+               std::array<std::vector<Colour>, kWitnesses>& samples) const {
+    const int end_x = std::min(cells.begin_x(column + 1), spans_[index].end);
+    for (int y = cells.begin_y(row); y < cells.begin_y(row + 1); y += kCompareEvery)
+      for (int x = cells.begin_x(column); x < end_x; x += kCompareEvery) {
+        if (task_.source->at(x, y) != index) continue;
+        const Voxel voxel = at(x, y);
+        if (voxel.witnesses == 0) continue;
+        const Colour own = open.sample(index, voxel);
+        open.ask_witnesses(index, voxel, [&](int witness, const Colour& c) {
+          samples[static_cast<size_t>(witness)].push_back({c[0] - own[0], c[1] - own[1], c[2] - own[2]});
+        });
+      }
+  }
+
+  // What is taken from photograph `index`.
+  void fetch_row(const OpenPhotographs& open, const BrightnessDifferences& differences, uint8_t index, int y) {
+    const uint8_t* source = task_.source->row(y);
+    for (int x = spans_[index].begin; x < spans_[index].end; ++x) {
+      if (source[x] == kNoSource) continue;
+      const bool own = source[x] == index;
+      const auto side = own ? std::nullopt : side_of(x, y, index);
+      if (!own && !side) continue;
+      const Voxel voxel = at(x, y);
+      const Colour c = agreed_colour(open, differences, index, voxel);
+      if (own)
+        task_.colour->at(x, y) = stored(c);
+      else
+        seams_of_row_[static_cast<size_t>(y)].push_back({static_cast<uint16_t>(x), index, *side, narrowed(c)});
+    }
+  }
+
+  void for_each_seam(const std::function<void(const SeamSample&)>& visit) const {
+    for (int y = 0; y < grid_.height; ++y)
+      for (const SeamPixel& p : seams_of_row_[static_cast<size_t>(y)]) {
+        const Rgb c = task_.colour->at(p.x, y);
+        const Colour step = {p.seen[0] - c.r * kColourSteps, p.seen[1] - c.g * kColourSteps,
+                             p.seen[2] - c.b * kColourSteps};
+        visit({p.x, y, task_.source->at(p.x, y), p.other, p.side, step});
+      }
+  }
+
+ private:
+  struct Span {
+    int begin = 0, end = 0;
+  };
+
+  Voxel at(int x, int y) const {
+    return {x, y, grid_.inverse_depth(task_.disparity->at(x, y)), task_.source->at(x, y),
+            task_.witnesses ? task_.witnesses->at(x, y) : uint8_t{0}};
+  }
+
+  // The columns in which each photograph is taken, and one more on either side.
+  void find_spans() {
+    spans_.fill({grid_.width, 0});
+    for (int y = 0; y < grid_.height; ++y) {
+      const uint8_t* source = task_.source->row(y);
+      for (int x = 0; x < grid_.width; ++x) {
+        Span& span = spans_[source[x]];
+        span.begin = std::min(span.begin, x);
+        span.end = std::max(span.end, x + 1);
+      }
+    }
+    for (Span& span : spans_) {
+      if (span.begin >= span.end) continue;
+      const bool across = grid_.wraps && (span.begin == 0 || span.end == grid_.width);
+      span = across ? Span{0, grid_.width} : Span{std::max(0, span.begin - 1), std::min(grid_.width, span.end + 1)};
+    }
+  }
+
+  // On which side of a pixel (kSides) the same surface is taken from photograph `index`.
+  std::optional<uint8_t> side_of(int x, int y, uint8_t index) const {
+    const int d = task_.disparity->at(x, y);
+    for (uint8_t side = 0; side < 4; ++side) {
+      int nx = x + kSides[side][0];
+      const int ny = y + kSides[side][1];
+      if (grid_.wraps) nx = (nx + grid_.width) % grid_.width;
+      if (!task_.source->contains(nx, ny) || task_.source->at(nx, ny) != index) continue;
+      if (std::abs(task_.disparity->at(nx, ny) - d) < kSameSurface) return side;
+    }
+    return {};
+  }
+
+  const PanoramaGrid& grid_;
+  ColourTask task_;
+  std::array<Span, 256> spans_;
+  std::vector<std::vector<SeamPixel>> seams_of_row_;
+};
+
+void compare_with_witnesses(const OpenPhotographs& open, const std::vector<LayerFetch>& layers, uint8_t index,
+                            const Job& job, BrightnessDifferences& differences) {
+  differences.clear();
+  parallel_for(job, differences.rows(), [&](int row) {
+    std::array<std::vector<Colour>, kWitnesses> samples;
+    for (int column = 0; column < differences.columns(); ++column) {
+      for (auto& of_witness : samples) of_witness.clear();
+      for (const LayerFetch& layer : layers) layer.compare(open, differences, index, column, row, samples);
+      for (int witness = 0; witness < kWitnesses; ++witness)
+        differences.set(column, row, witness, samples[static_cast<size_t>(witness)]);
+    }
+  });
+}
+
+// Reads one photograph after another; what its own pixels show is taken when those beside it are there.
+void read_photographs(const PanoramaGrid& grid, const Photographs& photographs, std::vector<LayerFetch>& layers,
+                      const Job& job) {
+  const int cameras = static_cast<int>(photographs.cameras.size());
+  const int strips = (grid.height + kRowsAtOnce - 1) / kRowsAtOnce;
+  OpenPhotographs open(grid, photographs);
+  BrightnessDifferences differences(grid);
+  for (int next = 0; next <= cameras + kBeside; ++next) {  // is read while colours are taken from what was read before
+    job.report("colour", static_cast<double>(next) / (cameras + kBeside + 1));
+    const int index = next - kBeside - 1;
+    open.close(index - kBeside - 1);
+    if (index >= 0) compare_with_witnesses(open, layers, static_cast<uint8_t>(index), job, differences);
+    parallel_for(job, index >= 0 ? 1 + strips : 1, [&](int task) {
+      if (task == 0) {
+        if (next < cameras) open.load(next);
+        return;
+      }
+      for (int y = (task - 1) * kRowsAtOnce; y < std::min(grid.height, task * kRowsAtOnce); ++y)
+        for (LayerFetch& layer : layers) layer.fetch_row(open, differences, static_cast<uint8_t>(index), y);
+    });
+  }
+}
+
+}  // namespace
+
+void fetch_colours(const PanoramaGrid& grid, const Photographs& photographs, const std::vector<ColourTask>& tasks,
+                   const ColourOptions& options, const Job& job) {
+  std::vector<LayerFetch> layers;
+  for (const ColourTask& task : tasks) layers.emplace_back(grid, task);
+  read_photographs(grid, photographs, layers, job);
+  if (!options.even_seams) return;
+  const auto seams = [&](const std::function<void(const SeamSample&)>& visit) {
+    for (const LayerFetch& layer : layers) layer.for_each_seam(visit);
+  };
+  even_seams(grid, tasks, seams, options, job);
+}
+
+}  // namespace ldp

@@ -1,0 +1,186 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/colour/colour.h"
+
+namespace ldp {
+namespace {
+
+constexpr double kCostPerDegree = 64;
+constexpr double kCostPerRadian = kCostPerDegree * 180 / std::numbers::pi;
+constexpr int kMaxCandidates = 8;      // the cameras nearest to the ray among those that see the voxel
+constexpr double kBehindCamera = 0.1;  // least forward * w of a voxel worth projecting
+constexpr int kColumnsAtOnce = 64;
+constexpr int kNoise = 3;        // levels by which samples of one surface may differ
+constexpr int kMostDiffer = 60;  // what differs more is just another surface
+
+// Between four samples of a picture stored column by column.
+uint8_t interpolated(const GreyImage& columns, double x_px, double y_px) {
+  const int x16 = static_cast<int>((x_px - 0.5) * 16), y16 = static_cast<int>((y_px - 0.5) * 16);
+  const int right = x16 & 15, below = y16 & 15;
+  const uint8_t *a = columns.row(x16 >> 4) + (y16 >> 4), *b = columns.row((x16 >> 4) + 1) + (y16 >> 4);
+  const int left_side = a[0] * (16 - below) + a[1] * below, right_side = b[0] * (16 - below) + b[1] * below;
+  return static_cast<uint8_t>((left_side * (16 - right) + right_side * right + 128) >> 8);
+}
+
+// The values in the middle when sorted: of an odd number the median twice.
+struct Middle {
+  int low = 0, high = 0;
+
+  template <typename Value>
+  Middle(int count, const Value& value) {
+    std::array<int, kMaxCandidates> sorted;
+    for (int i = 0; i < count; ++i) {
+      const int next = value(i);
+      auto place = static_cast<size_t>(i);
+      for (; place > 0 && sorted[place - 1] > next; --place) sorted[place] = sorted[place - 1];
+      sorted[place] = next;
+    }
+    low = sorted[static_cast<size_t>((count - 1) / 2)], high = sorted[static_cast<size_t>(count / 2)];
+  }
+  int beyond(int noise, int value) const { return std::max({0, low - value - noise, value - high - noise}); }
+};
+
+}  // namespace
+
+SourceCandidates::SourceCandidates(const PanoramaGrid& grid, const DisparityMap& layer,
+                                   const std::vector<UprightFrame>& frames,
+                                   const std::vector<VisibilityMap>& visibility, const ColourOptions& options)
+    : grid_(grid),
+      layer_(layer),
+      frames_(frames),
+      visibility_(visibility.empty() ? nullptr : &visibility),
+      options_(options) {
+  for (const UprightFrame& frame : frames) projections_.emplace_back(grid, frame.camera);
+  facing_.resize(static_cast<size_t>(grid.width));
+  for (int x = 0; x < grid.width; ++x) {
+    headings_.push_back(heading(grid.theta(x + 0.5)));
+    find_facing(x);
+  }
+}
+
+void SourceCandidates::find_facing(int x) {
+  const Heading h = headings_[static_cast<size_t>(x)];
+  std::vector<std::pair<double, uint8_t>> frames;
+  for (size_t i = 0; i < projections_.size(); ++i) {
+    const auto u = projections_[i].column(h);
+    const bool far = u.forward > kBehindCamera, near = projections_[i].forward(u, grid_.w_near) > kBehindCamera;
+    if (far || near) frames.emplace_back(std::abs(projections_[i].aside(h)), static_cast<uint8_t>(i));
+  }
+  std::sort(frames.begin(), frames.end());
+  auto& facing = facing_[static_cast<size_t>(x)];
+  for (const auto& [aside, frame] : frames) facing.push_back(frame);
+}
+
+SourceCandidates::Seen SourceCandidates::look(size_t frame, double x_px, double y_px, double inverse_z,
+                                              bool through) const {
+  const UprightFrame& upright = frames_[frame];
+  const auto column = static_cast<size_t>(x_px);
+  if (y_px < upright.valid_begin[column] + 0.5 || y_px >= upright.valid_end[column] - 0.5) return {};
+  if (!visibility_ || through) return {true, false};
+  const VisibilityMap& map = (*visibility_)[frame];
+  const int limit = static_cast<int>(inverse_z / map.scale) + map.tolerance;
+  const auto in_map = [&](double position_px, int size) {
+    const double place = map.shrink == 1 ? position_px : position_px / map.shrink;
+    return std::clamp(static_cast<int>(place), 0, size - 1);
+  };
+  const auto nearest = [&](double x, double y) {
+    return static_cast<int>(map.inverse_z.at(in_map(y, map.inverse_z.width), in_map(x, map.inverse_z.height)));
+  };
+  if (nearest(x_px, y_px) > limit) return {};
+  const double reach = options_.mixed_px;
+  const bool mixed = nearest(x_px - reach, y_px) > limit || nearest(x_px + reach, y_px) > limit ||
+                     nearest(x_px, y_px - reach) > limit || nearest(x_px, y_px + reach) > limit;
+  return {true, mixed};
+}
+
+SourceCandidates::Candidate SourceCandidates::candidate(uint8_t frame, int x, int y, double w, bool through) const {
+  const VoxelProjection& projection = projections_[frame];
+  const auto u = projection.column(headings_[static_cast<size_t>(x)]);
+  const double forward = projection.forward(u, w);
+  if (forward < kBehindCamera) return {};
+  const UprightCamera& camera = frames_[frame].camera;
+  const double right = projection.right(u, w), x_px = camera.focal * right / forward + camera.cx;
+  if (!(x_px >= 0.5 && x_px < camera.width - 0.5)) return {};
+  const double v = grid_.v(y + 0.5), up = projection.up(v, w), y_px = camera.cy - camera.focal * up / forward;
+  const Seen seen = look(frame, x_px, y_px, w / forward, through);
+  if (!seen.visible) return {};
+  // Chord between the unit vectors of both rays: the angle, to 2 % up to 40 degrees.
+  const double length2 = (right * right + forward * forward + up * up) * (1 + v * v);
+  const double cosine = (right * u.right + forward * u.forward + up * v) / std::sqrt(length2);
+  const double chord = std::sqrt(std::max(0.0, 2 - 2 * cosine));
+  const double off_x = (x_px - camera.cx) / camera.width, off_y = (y_px - camera.cy) / camera.height;
+  const double off_axis = options_.off_axis_deg * 2 * (off_x * off_x + off_y * off_y);
+  const double cost = chord * kCostPerRadian + kCostPerDegree * (off_axis + (seen.mixed ? options_.mixed_deg : 0));
+  return {frame, static_cast<int>(cost), interpolated(frames_[frame].columns, x_px, y_px),
+          interpolated(frames_[frame].tint, x_px, y_px)};
+}
+
+int SourceCandidates::candidates(int x, int y, uint8_t frame[16], uint16_t cost[16]) const {
+  const int count = collect(x, y, false, frame, cost);
+  return count == 0 && options_.guess_hidden ? collect(x, y, true, frame, cost) : count;
+}
+
+int SourceCandidates::collect(int x, int y, bool through, uint8_t frame[16], uint16_t cost[16]) const {
+  const double w = grid_.inverse_depth(layer_.at(x, y));
+  std::array<Candidate, kMaxCandidates> found;
+  int count = 0;
+  for (const uint8_t i : facing_[static_cast<size_t>(x)]) {
+    if (count == kMaxCandidates) break;
+    const Candidate c = candidate(i, x, y, w, through);
+    if (c.cost < 0) continue;
+    int at = count++;  // frames stay in rising order
+    for (; at > 0 && found[static_cast<size_t>(at) - 1].frame > i; --at)
+      found[static_cast<size_t>(at)] = found[static_cast<size_t>(at) - 1];
+    found[static_cast<size_t>(at)] = c;
+  }
+  doubt_odd_ones(options_.disagree_deg * kCostPerDegree, found.data(), found.data() + count);
+  for (int k = 0; k < count; ++k) {
+    frame[k] = found[static_cast<size_t>(k)].frame;
+    cost[k] = static_cast<uint16_t>(std::min(found[static_cast<size_t>(k)].cost, 65534));
+  }
+  return count;
+}
+
+uint8_t SourceCandidates::witnesses_of(int x, int y, int own) const {
+  const double w = grid_.inverse_depth(layer_.at(x, y));
+  int bits = 0;
+  for (int other = std::max(0, own - kBeside); other <= std::min(frames() - 1, own + kBeside); ++other)
+    if (other != own && candidate(static_cast<uint8_t>(other), x, y, w, false).cost >= 0)
+      bits |= 1 << witness_bit(other - own);
+  return static_cast<uint8_t>(bits);
+}
+
+// A few columns at a time: they are few columns of the frames, too.
+Plane<uint8_t> SourceCandidates::witnesses(const Plane<uint8_t>& source, const Job& job) const {
+  Plane<uint8_t> seen_by(source.width, source.height, 0);
+  parallel_for(job, (source.width + kColumnsAtOnce - 1) / kColumnsAtOnce, [&](int strip) {
+    const int begin = strip * kColumnsAtOnce, end = std::min(source.width, begin + kColumnsAtOnce);
+    for (int y = 0; y < source.height; ++y)
+      for (int x = begin; x < end; ++x)
+        if (source.at(x, y) != kNoSource) seen_by.at(x, y) = witnesses_of(x, y, source.at(x, y));
+  });
+  return seen_by;
+}
+
+// Most cameras see the voxel's own surface: one that sees another, or a mixture of two, stands out. Of two cameras
+// neither does.
+void SourceCandidates::doubt_odd_ones(double cost_per_level, Candidate* begin, Candidate* end) {
+  const int count = static_cast<int>(end - begin);
+  if (count < 3) return;
+  const Middle grey(count, [&](int i) { return begin[i].grey; }), tint(count, [&](int i) { return begin[i].tint; });
+  for (Candidate* c = begin; c != end; ++c) {
+    const int levels = grey.beyond(kNoise, c->grey) + tint.beyond(kNoise, c->tint);
+    c->cost += static_cast<int>(cost_per_level * std::min(kMostDiffer, levels));
+  }
+}
+
+uint8_t SourceCandidates::depth_label(int x, int y) const {
+  const int d = layer_.at(x, y);
+  if (d == kNoDisparity) return 0;
+  return static_cast<uint8_t>((d * (kLabels - 1) + kDisparitySteps / 2) / kDisparitySteps);
+}
+
+}  // namespace ldp

@@ -1,0 +1,63 @@
+#include "core/geometry/geometry.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/geometry/disparity.h"
+
+namespace ldp {
+namespace {
+
+Eigen::Vector2d distort(const Intrinsics& k, const Eigen::Vector2d& n) {
+  const double r2 = n.squaredNorm();
+  const double radial = 1 + r2 * (k.k1 + r2 * k.k2);
+  const double xy = n.x() * n.y();
+  return {n.x() * radial + 2 * k.p1 * xy + k.p2 * (r2 + 2 * n.x() * n.x()),
+          n.y() * radial + k.p1 * (r2 + 2 * n.y() * n.y()) + 2 * k.p2 * xy};
+}
+
+}  // namespace
+
+Eigen::Vector2d project(const Intrinsics& intrinsics, const Eigen::Vector3d& x_in_camera) {
+  const Eigen::Vector2d d = distort(intrinsics, x_in_camera.head<2>() / x_in_camera.z());
+  return {intrinsics.fx * d.x() + intrinsics.cx, intrinsics.fy * d.y() + intrinsics.cy};
+}
+
+Eigen::Vector3d unproject(const Intrinsics& intrinsics, const Eigen::Vector2d& position_px) {
+  const Eigen::Vector2d distorted((position_px.x() - intrinsics.cx) / intrinsics.fx,
+                                  (position_px.y() - intrinsics.cy) / intrinsics.fy);
+  Eigen::Vector2d n = distorted;
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector2d residual = distort(intrinsics, n) - distorted;
+    n -= residual;
+    if (residual.squaredNorm() < 1e-20) break;
+  }
+  return {n.x(), n.y(), 1};
+}
+
+Eigen::Vector3d Arc::outward(double theta) const {
+  return std::cos(theta) * world_from_arc.col(0) + std::sin(theta) * world_from_arc.col(1);
+}
+
+double PanoramaGrid::inverse_depth(double disparity) const {
+  return w_far + (w_near - w_far) * disparity / kDisparitySteps;
+}
+
+Eigen::Vector3d PanoramaGrid::origin(double theta) const { return arc.centre + ray_radius() * arc.outward(theta); }
+
+Eigen::Vector3d PanoramaGrid::direction(double theta, double v) const { return arc.outward(theta) + v * arc.axis(); }
+
+Eigen::Vector3d PanoramaGrid::point(double theta, double v, double w) const {
+  return origin(theta) + direction(theta, v) / w;
+}
+
+PanoramaPosition locate(const PanoramaGrid& grid, const Eigen::Vector3d& point_in_world) {
+  const Eigen::Vector3d p = grid.arc.world_from_arc.transpose() * (point_in_world - grid.arc.centre);
+  const double depth = std::hypot(p.x(), p.y()) - grid.ray_radius();
+  const double turn = 2 * std::numbers::pi;
+  double right = grid.theta_left - std::atan2(p.y(), p.x());
+  right -= turn * std::floor(right / turn);
+  return {right / grid.theta_pitch, (grid.v_top - p.z() / depth) / grid.v_pitch, 1 / depth};
+}
+
+}  // namespace ldp

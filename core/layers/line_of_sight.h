@@ -1,0 +1,57 @@
+// Which cameras see a voxel on a pixel that no layer covers.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/job.h"
+#include "core/base/plane.h"
+#include "core/geometry/geometry.h"
+#include "core/geometry/visibility_map.h"
+#include "core/geometry/voxel_projection.h"
+#include "core/photos/upright_frame.h"
+
+namespace ldp {
+
+// Per frame, by columns: not 0 where no layer covers the pixel or one of its eight neighbours.
+using UncoveredMaps = std::vector<Plane<uint8_t>>;
+
+// The voxels of one column at one inverse depth, as one camera's map sees them: one map column, rows affine in v.
+struct VoxelColumn {
+  const uint8_t* uncovered;  // the map's column
+  int shrink;
+  int valid_begin, valid_end;  // rows of the upright frame's column
+  double slope, offset;        // upright row = offset + slope v
+};
+
+// Where voxels are looked at from: all cameras.
+struct Eyes {
+  const std::vector<UprightFrame>& frames;
+  int shrink;
+  std::vector<VoxelProjection> projections;
+  UncoveredMaps uncovered_maps;
+
+  Eyes(const PanoramaGrid& grid, const std::vector<UprightFrame>& from, const std::vector<VisibilityMap>& maps,
+       const Job& job);
+};
+
+// The cameras that may see any voxel of a column.
+struct Facing {
+  Heading heading;
+  std::vector<size_t> frames;
+
+  Facing(const PanoramaGrid& grid, const Eyes& eyes, int x);
+};
+
+// Those of them that see the column's voxels at inverse depth w.
+void find_voxel_columns(const Eyes& eyes, const Facing& facing, double w, std::vector<VoxelColumn>& seen);
+
+// Does the voxel fall on a pixel that no layer covers, or beside one?
+inline bool falls_on_uncovered(const VoxelColumn& voxels, double v) {
+  const double y_px = voxels.offset + voxels.slope * v;
+  if (!(y_px >= voxels.valid_begin && y_px < voxels.valid_end)) return false;
+  const int row = static_cast<int>(y_px);
+  return voxels.uncovered[voxels.shrink == 1 ? row : row / voxels.shrink] != 0;
+}
+
+}  // namespace ldp

@@ -1,0 +1,404 @@
+#include "core/panorama/file/depth_coding.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+#include "core/panorama/file/range_coder.h"
+
+namespace ldp {
+namespace {
+
+// Every function here runs in the encoder and in the decoder, which differ in Coder only: coder.bit(model, value) codes
+// `value` in the one and ignores it in the other, and returns the true one in both.
+
+constexpr uint8_t kAbsent = 255;  // in rows of codes
+constexpr int kGradients = 7;     // classes of a difference of codes
+constexpr int kContexts = kGradients * kGradients * kGradients;
+
+// Class of a difference of two codes: -3 .. 3, by magnitude 0, 1, 2 to 3, 4 and more; index is difference + 15.
+constexpr std::array<int8_t, 31> kGradientClass = [] {
+  std::array<int8_t, 31> classes{};
+  for (int d = -15; d <= 15; ++d) {
+    const int magnitude = d < 0 ? -d : d;
+    const int level = magnitude <= 1 ? magnitude : magnitude <= 3 ? 2 : 3;
+    classes[static_cast<size_t>(d + 15)] = static_cast<int8_t>(d < 0 ? -level : level);
+  }
+  return classes;
+}();
+
+int gradient_class(int difference) { return 3 + kGradientClass[static_cast<size_t>(difference + 15)]; }
+
+struct CoverageModels {
+  std::array<std::array<BitModel, 2>, 81> tile;
+  std::array<BitModel, 1024> pixel;
+};
+
+struct RangeModels {
+  struct Number {
+    std::array<BitModel, 9> longer;                // one more digit?
+    std::array<std::array<BitModel, 2>, 9> digit;  // by number of digits; the highest on its own
+  };
+  Number low;
+  std::array<Number, 3> span;
+};
+
+struct CodeModels {
+  std::array<std::array<BitModel, 6>, kContexts> not_first;
+  std::array<std::array<BitModel, 4>, kContexts> not_second;
+  std::array<BitModel, kContexts> not_third;
+  std::array<BitModel, kGradients * kGradients> upwards;
+  std::array<std::array<BitModel, 15>, 6> further;
+};
+
+// ---- coverage
+
+TileState tile_state(const Plane<uint8_t>& coverage, int tx, int ty) {
+  const int x1 = std::min(coverage.width, (tx + 1) * kTile);
+  const int y1 = std::min(coverage.height, (ty + 1) * kTile);
+  bool any = false, all = true;
+  for (int y = ty * kTile; y < y1; ++y)
+    for (int x = tx * kTile; x < x1; ++x) (coverage.at(x, y) ? any : all) = coverage.at(x, y) != 0;
+  return !any ? TileState::empty : all ? TileState::full : TileState::mixed;
+}
+
+template <typename Coder>
+void code_tiles(Coder& coder, CoverageModels& models, Plane<TileState>& tiles) {
+  const auto state = [&](int x, int y) { return tiles.contains(x, y) ? static_cast<size_t>(tiles.at(x, y)) : 0; };
+  for (int y = 0; y < tiles.height; ++y)
+    for (int x = 0; x < tiles.width; ++x) {
+      const size_t context = 27 * state(x - 1, y) + 9 * state(x, y - 1) + 3 * state(x - 1, y - 1) + state(x + 1, y - 1);
+      TileState& tile = tiles.at(x, y);
+      if (!coder.bit(models.tile[context][0], tile != TileState::empty))
+        tile = TileState::empty;
+      else
+        tile = coder.bit(models.tile[context][1], tile == TileState::mixed) ? TileState::mixed : TileState::full;
+    }
+}
+
+// Ten pixels around the one to be coded:   . c d e .      row y-2
+//                                          f g h i j      row y-1
+//                                          a b ?          row y
+template <typename Coder>
+void code_mixed_run(Coder& coder, CoverageModels& models, Plane<uint8_t>& coverage, int x0, int x1, int y) {
+  const auto pixel = [&](int px, int py) { return coverage.contains(px, py) ? size_t{coverage.at(px, py)} : 0; };
+  size_t above2 = pixel(x0 - 1, y - 2) << 1 | pixel(x0, y - 2);
+  size_t above = pixel(x0 - 2, y - 1) << 3 | pixel(x0 - 1, y - 1) << 2 | pixel(x0, y - 1) << 1 | pixel(x0 + 1, y - 1);
+  size_t left = pixel(x0 - 2, y) << 1 | pixel(x0 - 1, y);
+  for (int x = x0; x < x1; ++x) {
+    above2 = (above2 << 1 | pixel(x + 1, y - 2)) & 7;
+    above = (above << 1 | pixel(x + 2, y - 1)) & 31;
+    uint8_t& present = coverage.at(x, y);
+    present = coder.bit(models.pixel[above2 << 7 | above << 2 | left], present != 0);
+    left = (left << 1 | present) & 3;
+  }
+}
+
+template <typename Coder>
+void code_coverage(Coder& coder, Plane<TileState>& tiles, Plane<uint8_t>& coverage) {
+  CoverageModels models;
+  code_tiles(coder, models, tiles);
+  for (int y = 0; y < coverage.height; ++y)
+    for (int tx = 0; tx < tiles.width; ++tx) {
+      const int x0 = tx * kTile;
+      const int x1 = std::min(coverage.width, x0 + kTile);
+      const TileState state = tiles.at(tx, y / kTile);
+      if (state == TileState::mixed)
+        code_mixed_run(coder, models, coverage, x0, x1, y);
+      else
+        std::fill(coverage.row(y) + x0, coverage.row(y) + x1, static_cast<uint8_t>(state == TileState::full));
+    }
+}
+
+// ---- block ranges
+
+// A whole number -255 .. 255 by an Exp-Golomb code of 2 |v| - (v > 0). Gives something beyond when the stream is
+// damaged.
+template <typename Coder>
+int code_number(Coder& coder, RangeModels::Number& models, int value) {
+  const int folded = (value > 0 ? 2 * value - 1 : -2 * value) + 1;
+  size_t digits = 0;
+  while (digits < 8 && coder.bit(models.longer[digits], folded >> (digits + 1) != 0)) ++digits;
+  int result = 1;
+  for (size_t i = digits; i-- > 0;)
+    result = result << 1 | static_cast<int>(coder.bit(models.digit[digits][i + 1 == digits], (folded >> i & 1) != 0));
+  --result;
+  return result & 1 ? (result + 1) / 2 : -(result / 2);
+}
+
+// Planar prediction within the bounds of the left and upper neighbours; absent ones are -1.
+int predict(const Plane<int16_t>& values, int x, int y) {
+  const auto at = [&](int px, int py) { return values.contains(px, py) ? int{values.at(px, py)} : -1; };
+  const int west = at(x - 1, y);
+  const int north = at(x, y - 1);
+  const int north_west = at(x - 1, y - 1);
+  if (west < 0 && north < 0) return 0;
+  if (west < 0) return north;
+  if (north < 0) return west;
+  if (north_west < 0) return (west + north) / 2;
+  return std::clamp(west + north - north_west, std::min(west, north), std::max(west, north));
+}
+
+bool any_present(const DepthStrip& strip, int bx, int by) {
+  const int x1 = std::min(strip.coverage.width, (bx + 1) * strip.block_px);
+  const int y1 = std::min(strip.coverage.height, (by + 1) * strip.block_px);
+  for (int y = by * strip.block_px; y < y1; ++y) {
+    const uint8_t* row = strip.coverage.row(y);
+    if (std::find(row + bx * strip.block_px, row + x1, 1) != row + x1) return true;
+  }
+  return false;
+}
+
+template <typename Coder>
+bool code_ranges(Coder& coder, DepthStrip& strip) {
+  RangeModels models;
+  Plane<int16_t> lows(strip.ranges.width, strip.ranges.height, -1);
+  Plane<int16_t> spans = lows;
+  for (int y = 0; y < strip.ranges.height; ++y)
+    for (int x = 0; x < strip.ranges.width; ++x) {
+      if (!any_present(strip, x, y)) continue;
+      BlockRange& range = strip.ranges.at(x, y);
+      const int expected_low = predict(lows, x, y);
+      const int expected_span = predict(spans, x, y);
+      const size_t context = static_cast<size_t>((expected_span > 2) + (expected_span > 10));
+      const int low = expected_low + code_number(coder, models.low, range.low - expected_low);
+      const int span = expected_span + code_number(coder, models.span[context], range.high - range.low - expected_span);
+      if (low < 0 || span < 0 || low + span > 255) return false;
+      range = {static_cast<uint8_t>(low), static_cast<uint8_t>(low + span)};
+      lows.at(x, y) = static_cast<int16_t>(low);
+      spans.at(x, y) = static_cast<int16_t>(span);
+    }
+  return true;
+}
+
+// ---- depth codes
+
+// Codes around the pixel to be coded, in the range of its block, with what is absent replaced by its likeliest value.
+struct Neighbours {
+  int w, n, nw, ne, ww, nn;
+  int absent;  // how many of w and n were
+};
+
+Neighbours complete(int w, int n, int nw, int ne, int ww, int nn) {
+  Neighbours a{w, n, nw, ne, ww, nn, (w == kAbsent) + (n == kAbsent)};
+  if (a.absent == 2) a.n = a.w = ne != kAbsent ? ne : nw != kAbsent ? nw : 0;
+  if (a.n == kAbsent) a.n = a.w;
+  if (a.w == kAbsent) a.w = nw != kAbsent ? nw : a.n;
+  if (nw == kAbsent) a.nw = a.n;
+  if (ne == kAbsent) a.ne = a.n;
+  if (ww == kAbsent) a.ww = a.w;
+  if (nn == kAbsent) a.nn = a.n;
+  return a;
+}
+
+// What is left when none of the candidates holds: up or down from the first, then how far, candidates not counted.
+template <typename Coder>
+int code_remainder(Coder& coder, CodeModels& models, const Neighbours& a, const std::array<int, 3>& tried, int code) {
+  const auto is_tried = [&](int v) { return v == tried[0] || v == tried[1] || v == tried[2]; };
+  const int first = tried[0];
+  int above = 0, below = 0;
+  for (int v = first + 1; v < kLabels; ++v) above += !is_tried(v);
+  for (int v = 0; v < first; ++v) below += !is_tried(v);
+  bool up = above > 0;
+  const int gradient = gradient_class(a.n - a.nw) * kGradients + gradient_class(a.w - a.nw);
+  if (above > 0 && below > 0) up = coder.bit(models.upwards[static_cast<size_t>(gradient)], code > first);
+  const int activity = std::max({std::abs(a.n - a.nw), std::abs(a.w - a.nw), std::abs(a.ne - a.n)});
+  auto& further = models.further[static_cast<size_t>(2 * std::min(activity, 2) + up)];
+  int left = up ? above : below;
+  size_t passed = 0;
+  for (int v = up ? first + 1 : first - 1;; v += up ? 1 : -1) {
+    if (is_tried(v)) continue;
+    if (--left == 0 || !coder.bit(further[passed], v != code)) return v;
+    ++passed;
+  }
+}
+
+template <typename Coder>
+int code_pixel(Coder& coder, CodeModels& models, const Neighbours& a, int code) {
+  const auto context = static_cast<size_t>(
+      (gradient_class(a.n - a.nw) * kGradients + gradient_class(a.w - a.nw)) * kGradients + gradient_class(a.ne - a.n));
+  const int first = std::clamp(a.w + a.n - a.nw, std::min(a.w, a.n), std::max(a.w, a.n));
+  const auto sight = static_cast<size_t>(a.absent > 0 ? 3 + a.absent : (a.ww == a.w) + 2 * (a.nn == a.n));
+  if (!coder.bit(models.not_first[context][sight], code != first)) return first;
+  std::array<int, 3> tried = {first, first, first};
+  tried[1] = first == a.w ? a.n : a.w;
+  if (tried[1] != first) {
+    const auto origin = static_cast<size_t>((a.w == first) + 2 * (a.n == first));
+    if (!coder.bit(models.not_second[context][origin], code != tried[1])) return tried[1];
+  }
+  const int third = a.ne == tried[0] || a.ne == tried[1] ? a.nw : a.ne;
+  if (third != tried[0] && third != tried[1]) {
+    tried[2] = third;
+    if (!coder.bit(models.not_third[context], code != third)) return third;
+  }
+  return code_remainder(coder, models, a, tried, code);
+}
+
+// A run of pixels of one row and one range. The rows above are given as codes in that range, kAbsent where there is
+// none; north[-1] and north[length] are read.
+struct Run {
+  const uint8_t* present;
+  const uint8_t* north;
+  const uint8_t* north2;
+  uint8_t* codes;  // codes[-2] and codes[-1]: the pixels to the left, in this range
+  int length;
+};
+
+template <typename Coder>
+void code_run(Coder& coder, CodeModels& models, const Run& run) {
+  constexpr size_t kFlat = kContexts / 2;  // all differences 0
+  int ww = run.codes[-2];
+  int w = run.codes[-1];
+  for (int i = 0; i < run.length; ++i) {
+    const int n = run.north[i];
+    const int ne = run.north[i + 1];
+    const int nw = run.north[i - 1];
+    const int nn = run.north2[i];
+    int code = kAbsent;
+    if (run.present[i]) {
+      const bool flat = ((w ^ n) | (nw ^ n) | (ne ^ n) | (ww ^ n) | (nn ^ n)) == 0 && n != kAbsent;
+      // The flat case is most of any picture and the only reason for this shortcut: code_pixel would do the same.
+      if (flat && !coder.bit(models.not_first[kFlat][3], run.codes[i] != n))
+        code = n;
+      else if (flat)
+        code = code_remainder(coder, models, {n, n, n, n, n, n, 0}, {n, n, n}, run.codes[i]);
+      else
+        code = code_pixel(coder, models, complete(w, n, nw, ne, ww, nn), run.codes[i]);
+    }
+    run.codes[i] = static_cast<uint8_t>(code);
+    ww = w;
+    w = code;
+  }
+}
+
+// The code nearest in `to` to what `code` means in `from`.
+uint8_t code_in(BlockRange to, BlockRange from, uint8_t code) {
+  if (code == kAbsent || to == from) return code;
+  const int span = to.high - to.low;
+  if (span == 0) return 0;
+  const int disparity = 15 * from.low + (from.high - from.low) * code;
+  return static_cast<uint8_t>(std::clamp((disparity - 15 * to.low + span / 2) / span, 0, 15));
+}
+
+// Codes row by row with kAbsent where absent: two rows back and the current one, with two columns of margin.
+class RowWindow {
+ public:
+  explicit RowWindow(int width) : rows_(width + 4, 3, kAbsent) {}
+  uint8_t* current() { return rows_.row(now_) + 2; }
+  const uint8_t* above() const { return rows_.row((now_ + 2) % 3) + 2; }
+  const uint8_t* above2() const { return rows_.row((now_ + 1) % 3) + 2; }
+  void advance() { now_ = (now_ + 1) % 3; }
+
+ private:
+  Plane<uint8_t> rows_;
+  int now_ = 0;
+};
+
+template <typename Coder>
+class CodeCoder {
+ public:
+  CodeCoder(Coder& coder, DepthStrip& strip)
+      : coder_(coder),
+        strip_(strip),
+        window_(strip.codes.width),
+        block_px_(strip.block_px > 0 ? strip.block_px : 1),
+        north_(static_cast<size_t>(block_px_) + 2),
+        north2_(static_cast<size_t>(block_px_)),
+        codes_(static_cast<size_t>(block_px_) + 2) {}
+
+  // False as soon as a damaged stream is seen to have ended.
+  bool run() {
+    for (int y = 0; y < strip_.codes.height; ++y, window_.advance()) {
+      if constexpr (requires { coder_.bytes_missing(); })
+        if (coder_.bytes_missing() > 0) return false;
+      uint8_t* row = strip_.codes.row(y);
+      std::copy_n(row, strip_.codes.width, window_.current());
+      code_row(y);
+      const uint8_t* coded = window_.current();
+      for (int x = 0; x < strip_.codes.width; ++x) row[x] = coded[x] == kAbsent ? 0 : coded[x];
+    }
+    return true;
+  }
+
+ private:
+  BlockRange range(int x, int y) const {
+    return strip_.block_px == 0 ? strip_.ranges.samples[0] : strip_.ranges.at(x / block_px_, y / block_px_);
+  }
+
+  void code_row(int y) {
+    const int width = strip_.codes.width;
+    if (strip_.block_px == 0) {
+      if (range(0, 0).low == range(0, 0).high) return code_single(y, 0, width);
+      code_run(coder_, models_, {strip_.coverage.row(y), window_.above(), window_.above2(), window_.current(), width});
+      return;
+    }
+    for (int x0 = 0; x0 < width; x0 += block_px_) code_block_row(y, x0, std::min(width, x0 + block_px_));
+  }
+
+  // A range of one value needs no codes.
+  void code_single(int y, int x0, int x1) {
+    const uint8_t* present = strip_.coverage.row(y);
+    for (int x = x0; x < x1; ++x) window_.current()[x] = present[x] ? 0 : kAbsent;
+  }
+
+  void code_block_row(int y, int x0, int x1) {
+    const BlockRange own = range(x0, y);
+    if (own.low == own.high) return code_single(y, x0, x1);
+    const auto seen = [&](const uint8_t* row, int x, int from_y) {
+      const bool inside = x >= 0 && x < strip_.codes.width && from_y >= 0;
+      return inside ? code_in(own, range(x, from_y), row[x]) : kAbsent;
+    };
+    const int length = x1 - x0;
+    for (int i = -1; i <= length; ++i) north_[static_cast<size_t>(i + 1)] = seen(window_.above(), x0 + i, y - 1);
+    for (int i = 0; i < length; ++i) north2_[static_cast<size_t>(i)] = seen(window_.above2(), x0 + i, y - 2);
+    codes_[0] = seen(window_.current(), x0 - 2, y);
+    codes_[1] = seen(window_.current(), x0 - 1, y);
+    std::copy_n(window_.current() + x0, length, codes_.begin() + 2);
+    code_run(coder_, models_,
+             {strip_.coverage.row(y) + x0, north_.data() + 1, north2_.data(), codes_.data() + 2, length});
+    std::copy_n(codes_.begin() + 2, length, window_.current() + x0);
+  }
+
+  Coder& coder_;
+  DepthStrip& strip_;
+  RowWindow window_;
+  int block_px_;
+  std::vector<uint8_t> north_, north2_, codes_;
+  CodeModels models_;
+};
+
+}  // namespace
+
+Plane<TileState> tile_states(const Plane<uint8_t>& coverage) {
+  Plane<TileState> tiles((coverage.width + kTile - 1) / kTile, (coverage.height + kTile - 1) / kTile);
+  for (int y = 0; y < tiles.height; ++y)
+    for (int x = 0; x < tiles.width; ++x) tiles.at(x, y) = tile_state(coverage, x, y);
+  const auto empty = std::count(tiles.samples.begin(), tiles.samples.end(), TileState::empty);
+  if (empty * 2 <= static_cast<std::ptrdiff_t>(tiles.samples.size()))
+    std::replace(tiles.samples.begin(), tiles.samples.end(), TileState::empty, TileState::mixed);
+  return tiles;
+}
+
+std::vector<uint8_t> encode_depth_strip(const DepthStrip& strip) {
+  DepthStrip copy = strip;
+  RangeEncoder coder;
+  code_coverage(coder, copy.tiles, copy.coverage);
+  if (copy.block_px > 0) code_ranges(coder, copy);
+  CodeCoder(coder, copy).run();
+  return coder.finish();
+}
+
+void decode_depth_strip(std::span<const uint8_t> bytes, const Place& place, bool with_codes, DepthStrip& strip) {
+  RangeDecoder coder(bytes);
+  code_coverage(coder, strip.tiles, strip.coverage);
+  if (!with_codes) return;
+  if (strip.block_px > 0 && !code_ranges(coder, strip))
+    place.refuse("block range", "0 <= low <= high <= 255", "one outside");
+  if (!CodeCoder(coder, strip).run() || coder.bytes_missing() > 0)
+    place.refuse("its coded data", "an end within its " + std::to_string(bytes.size()) + " bytes", "none");
+  if (coder.bytes_left() > 0)
+    place.refuse("its coded data", "an end after " + std::to_string(bytes.size()) + " bytes",
+                 std::to_string(coder.bytes_left()) + " bytes more than were used");
+}
+
+}  // namespace ldp

@@ -1,0 +1,41 @@
+// The layered depth panorama: what `build` makes, the .ldp file keeps and `render` shows (paper, section 3).
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/plane.h"
+#include "core/geometry/disparity.h"
+#include "core/geometry/geometry.h"
+
+namespace ldp {
+
+// One layer over the whole grid. Layer 0 is the front one and dense; a later layer is present only where some camera
+// sees behind the earlier ones, and lies strictly behind them there.
+struct Layer {
+  DepthCodes depth;
+  Plane<uint8_t> coverage;  // 1 = present, 0 = absent
+  Plane<uint8_t> alpha;     // empty = opaque wherever present; else opacity 0..255 for soft silhouettes
+  RgbImage colour;          // absent pixels hold {0, 0, 0}
+
+  friend bool operator==(const Layer&, const Layer&) = default;
+};
+
+// How far from the arc views hold, in the capture's unit of length: a view is good while its centre's distance from
+// the arc's axis is within [inner_radius, outer_radius] and its height above the arc's plane within +-height.
+struct ViewingLimits {
+  double inner_radius = 0, outer_radius = 0, height = 0;
+};
+
+struct LayeredPanorama {
+  PanoramaGrid grid;
+  std::vector<Layer> layers;    // front to back, 1 .. 8
+  std::vector<Camera> cameras;  // the source cameras, as used
+  ViewingLimits limits;
+  std::map<std::string, double> quality;        // named figures, e.g. "psnr_leave_one_out_db"
+  std::map<std::string, std::string> metadata;  // e.g. "device", "captured_utc" (ISO 8601), "software"
+};
+
+}  // namespace ldp

@@ -1,0 +1,152 @@
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <random>
+#include <system_error>
+#include <utility>
+
+#include "core/photos/images.h"
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const std::string& attempted, const fs::path& file) {
+  throw std::system_error(errno, std::generic_category(), attempted + " " + file.string());
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() { reset(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+  bool valid() const { return fd_ >= 0; }
+  int reset() {
+    const int fd = fd_;
+    fd_ = -1;
+    return fd >= 0 ? ::close(fd) : 0;
+  }
+
+ private:
+  int fd_;
+};
+
+size_t size_of(const Descriptor& descriptor, const fs::path& file) {
+  struct stat status {};
+  if (::fstat(descriptor.get(), &status) != 0) fail("cannot read", file);
+  if (S_ISDIR(status.st_mode)) {
+    errno = EISDIR;
+    fail("cannot read", file);
+  }
+  return static_cast<size_t>(status.st_size);
+}
+
+void write_all(const Descriptor& descriptor, std::span<const uint8_t> bytes, const fs::path& file) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor.get(), bytes.data(), std::min<size_t>(bytes.size(), 1 << 30));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail("cannot write", file);
+    bytes = bytes.subspan(static_cast<size_t>(written));
+  }
+}
+
+// A file beside `target` that goes away again unless it is renamed.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const fs::path& target) : target_(target) {
+    std::random_device random;
+    do {
+      std::string name = target.filename().string();
+      name.insert(name.begin(), '.');
+      path_ = target.parent_path() / (name + "." + std::to_string(random()) + ".tmp");
+      fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    } while (fd_ < 0 && errno == EEXIST);
+    if (fd_ < 0) fail("cannot write", target_);
+  }
+  ~TemporaryFile() {
+    if (fd_ >= 0) ::close(fd_);
+    if (!renamed_) ::unlink(path_.c_str());
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  void write(std::span<const uint8_t> bytes) {
+    Descriptor descriptor(std::exchange(fd_, -1));
+    write_all(descriptor, bytes, target_);
+    if (::fsync(descriptor.get()) != 0) fail("cannot write", target_);
+    if (descriptor.reset() != 0) fail("cannot write", target_);
+  }
+  void rename() {
+    if (::rename(path_.c_str(), target_.c_str()) != 0) fail("cannot write", target_);
+    renamed_ = true;
+  }
+
+ private:
+  fs::path target_, path_;
+  int fd_ = -1;
+  bool renamed_ = false;
+};
+
+void sync_folder(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  // Some file systems cannot sync folders (EINVAL): the rename is as safe there as it can be.
+  if (!descriptor.valid() || (::fsync(descriptor.get()) != 0 && errno != EINVAL)) fail("cannot write", file);
+}
+
+}  // namespace
+
+std::vector<uint8_t> read_file(const fs::path& file) {
+  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!descriptor.valid()) fail("cannot read", file);
+  std::vector<uint8_t> bytes(size_of(descriptor, file) + 1);
+  size_t filled = 0;
+  for (;;) {  // to the end, whatever the size said: pipes and files of /proc say 0
+    if (filled == bytes.size()) bytes.resize(filled + filled / 2 + 4096);
+    const ssize_t got = ::read(descriptor.get(), bytes.data() + filled, bytes.size() - filled);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail("cannot read", file);
+    if (got == 0) break;
+    filled += static_cast<size_t>(got);
+  }
+  bytes.resize(filled);
+  return bytes;
+}
+
+void write_file(const fs::path& file, std::span<const uint8_t> bytes) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(file, ignored);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    const Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CLOEXEC));
+    if (!descriptor.valid()) fail("cannot write", file);
+    return write_all(descriptor, bytes, file);
+  }
+  const fs::path target = fs::exists(status) ? fs::canonical(file) : file;  // a link stays a link
+  TemporaryFile temporary(target);
+  temporary.write(bytes);
+  temporary.rename();
+  sync_folder(target);
+}
+
+MappedFile::MappedFile(const fs::path& file) {
+  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!descriptor.valid()) fail("cannot read", file);
+  size_ = size_of(descriptor, file);
+  if (size_ == 0) return;  // an empty mapping is an error to mmap, an empty file is not one to us
+  void* mapping = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor.get(), 0);
+  if (mapping == MAP_FAILED) fail("cannot read", file);
+  data_ = static_cast<const uint8_t*>(mapping);
+}
+
+MappedFile::~MappedFile() {
+  if (data_) ::munmap(const_cast<uint8_t*>(data_), size_);
+}
+
+}  // namespace ldp

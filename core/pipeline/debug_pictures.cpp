@@ -1,0 +1,71 @@
+#include "core/pipeline/debug_pictures.h"
+
+#include <algorithm>
+
+#include "core/photos/images.h"
+
+namespace ldp {
+namespace {
+
+constexpr Rgb kAbsent{20, 20, 70};
+
+}  // namespace
+
+void DebugPictures::labels(const std::string& name, const Plane<uint8_t>& labels, int largest) const {
+  if (!wanted()) return;
+  GreyImage grey(labels.width, labels.height);
+  for (size_t i = 0; i < grey.samples.size(); ++i) {
+    const int l = labels.samples[i];
+    grey.samples[i] = l > largest ? uint8_t{0} : static_cast<uint8_t>(l * 255 / std::max(1, largest));
+  }
+  write(name, encode_png(grey));
+}
+
+void DebugPictures::disparity(const std::string& name, const DisparityMap& disparity) const {
+  if (!wanted()) return;
+  RgbImage image(disparity.width, disparity.height, kAbsent);
+  for (size_t i = 0; i < image.samples.size(); ++i) {
+    if (disparity.samples[i] == kNoDisparity) continue;
+    const auto g = static_cast<uint8_t>(disparity.samples[i] * 255 / kDisparitySteps);
+    image.samples[i] = {g, g, g};
+  }
+  write(name, encode_png(image));
+}
+
+void DebugPictures::sources(const std::string& name, const Plane<uint8_t>& sources) const {
+  if (!wanted()) return;
+  RgbImage image(sources.width, sources.height);
+  for (size_t i = 0; i < image.samples.size(); ++i) {
+    const unsigned s = sources.samples[i];
+    if (s != 255)
+      image.samples[i] = {static_cast<uint8_t>(60 + s * 97 % 196), static_cast<uint8_t>(60 + s * 57 % 196),
+                          static_cast<uint8_t>(60 + s * 151 % 196)};
+  }
+  write(name, encode_png(image));
+}
+
+void DebugPictures::colour(const std::string& name, const RgbImage& colour) const {
+  if (wanted()) write(name, encode_png(colour));
+}
+
+void DebugPictures::visibility(const std::string& name, const std::vector<VisibilityMap>& maps) const {
+  if (!wanted()) return;
+  for (size_t i = 0; i < maps.size(); ++i) {
+    const Plane<uint16_t>& from = maps[i].inverse_z;
+    RgbImage image(from.height, from.width, kAbsent);
+    for (int column = 0; column < from.height; ++column)
+      for (int row = 0; row < from.width; ++row) {
+        if (from.at(row, column) == 0) continue;
+        const auto g = static_cast<uint8_t>(std::min(255, from.at(row, column) / 64));
+        image.at(column, row) = {g, g, g};
+      }
+    write(name + "_camera_" + std::to_string(i), encode_png(image));
+  }
+}
+
+void DebugPictures::write(const std::string& name, const std::vector<uint8_t>& png) const {
+  std::filesystem::create_directories(directory_);
+  write_file(directory_ / (name + ".png"), png);
+}
+
+}  // namespace ldp

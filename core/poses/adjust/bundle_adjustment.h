@@ -1,0 +1,49 @@
+// Bundle adjustment (Ceres) of a sweep: rotations, centres, one lens for all frames, points of inverse distance.
+//
+// Three models. `rotation`: every point at infinity. `spherical`: a camera's centre is its own forward axis (radius 1).
+// `free`: centres are drawn to that place only weakly, so that the prior decides what the pictures leave open (scale,
+// place, the depth of far scenery) and nothing else. Single-threaded and in fixed order: the same input gives the same
+// bytes.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+#include "core/base/job.h"
+#include "core/poses/tracks/bundle.h"
+
+namespace ldp {
+
+struct FocalPrior {
+  double focal_px = 0;
+  double log_sigma = 0.2;
+};
+
+enum class Model { rotation, spherical, free };
+
+struct BundleOptions {
+  Model model = Model::free;
+  bool refine_focal = true;
+  bool refine_distortion = false;
+  std::optional<FocalPrior> focal_prior;
+  double loss_px = 1;         // Cauchy scale, at weight 1
+  double arc_sigma = 0.2;     // of a free centre about its place on the sphere, radii
+  double pair_weight = 1;     // of points that only two cameras see, against those that a third confirms
+  bool in_front = false;      // points stay on this side of infinity (else a short arc may turn inside out)
+  bool near_the_end = false;  // steps may be bold: elsewhere they could end in another valley
+  int most_iterations = 50;
+  double settled = 1e-6;     // share by which the last step lowered the cost
+  double first_trust = 1e4;  // Ceres' trust region at first: the wider, the freer what data hold loosely
+};
+
+struct BundleSummary {
+  double cost = 0;  // half the sum of robust weighted squared residuals, pixels^2
+  int iterations = 0;
+  bool usable = false;
+};
+
+BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& job);
+
+}  // namespace ldp

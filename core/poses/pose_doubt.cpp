@@ -1,0 +1,161 @@
+#include "core/poses/pose_doubt.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "core/poses/start/rotation_averaging.h"
+
+namespace ldp {
+namespace {
+
+constexpr double kTolerance = 4;     // pixels of 800 that a match may miss the poses by
+constexpr int kTellingReach = 2;     // frames between photos of a pair; farther ones share little, and repeated things
+                                     // pass for matches there though the poses are true
+constexpr size_t kTelling = 30;      // matches of a pair from which its disagreement tells something
+constexpr double kLeastShare = 0.5;  // of a pair's matches must agree with the poses
+constexpr int kLeastTies = 12;       // points that tie a photo to those before it
+constexpr int kReach = 4;            // photos before and after that count for it
+constexpr int kFirm = 8;             // points seen before, in and after a photo, that tie its two steps together
+constexpr double kSameView = 0.25;   // of the field of view: photos turned by less show the same
+constexpr double kSamePlace = 0.1;   // of the distance of points in the median: and stand nearer than this
+
+class Doubts {
+ public:
+  Doubts(const MatchedSweep& sweep, const Reconstruction& r, const std::vector<std::string>& names)
+      : sweep_(sweep), r_(r), names_(names) {}
+
+  // The pair of photos whose matches contradict the poses most.
+  std::string contradicted() const {
+    double least = kLeastShare;
+    const PairMatches* worst = nullptr;
+    for (const PairMatches& pair : sweep_.pairs) {
+      if (!posed(pair.a) || !posed(pair.b) || pair.matches.size() < kTelling) continue;
+      if (pair.b - pair.a > kTellingReach) continue;
+      const double share =
+          agreeing_share(sweep_, r_.bundle, pair, sweep_.pixels(kTolerance), r_.motion == Motion::rotation);
+      if (share < least) least = share, worst = &pair;
+    }
+    if (!worst) return {};
+    return "only " + std::to_string(std::lround(100 * least)) + " % of what matches in " + both(worst->a, worst->b) +
+           " agrees with their poses: something repeats itself or moves";
+  }
+
+  // The place of the sequence that the fewest points bridge.
+  std::string loose() const {
+    std::vector<int> ties(static_cast<size_t>(sweep_.frames()), 0);
+    for (const Track& track : r_.tracks) {
+      for (size_t i = 0; i + 1 < track.size(); ++i) {
+        if (track[i + 1].frame - track[i].frame > kReach) continue;
+        for (int f = track[i].frame + 1; f <= track[i + 1].frame; ++f) ++ties[static_cast<size_t>(f)];
+      }
+    }
+    int least = kLeastTies, before = -1;
+    std::pair<int, int> where{-1, -1};
+    for (int f = 0; f < sweep_.frames(); ++f) {
+      if (!posed(f)) continue;
+      if (before >= 0 && ties[static_cast<size_t>(f)] < least)
+        least = ties[static_cast<size_t>(f)], where = {before, f};
+      before = f;
+    }
+    if (where.first < 0) return {};
+    return "only " + std::to_string(least) + " points tie " + both(where.first, where.second) +
+           " together: take photos with more overlap";
+  }
+
+  // Steps between two photos each, that hardly a third photo compares: how long they are beside each other, and the
+  // focal length, are then anyone's guess.
+  std::string in_pairs(bool focal_known) const {
+    if (r_.motion == Motion::rotation) return {};
+    std::vector<int> between(static_cast<size_t>(sweep_.frames()), 0);
+    for (const Track& track : r_.tracks) {
+      for (size_t i = 1; i + 1 < track.size(); ++i) ++between[static_cast<size_t>(track[i].frame)];
+    }
+    int steps = -1, firm = 0;
+    for (int f = 0; f < sweep_.frames(); ++f) {
+      if (!posed(f)) continue;
+      ++steps;
+      firm += between[static_cast<size_t>(f)] >= kFirm ? 1 : 0;
+    }
+    if (2 * firm >= steps - 1) return {};
+    return std::string("hardly a point is seen in three photos: take photos with more overlap (three quarters)") +
+           (focal_known ? "" : ", or give the field of view (--fov)");
+  }
+
+  // A focal length that points left open, and that drifted to what no camera has.
+  std::string no_lens(bool focal_known) const {
+    const double view = view_of_longer_side(sweep_, r_.bundle.lens.focal_px);
+    if (focal_known || (view > kTooNarrow && view < kTooWide)) return {};
+    return "they are those of a camera that sees " + std::to_string(std::lround(view * 180 / std::numbers::pi)) +
+           " degrees, which hardly any does: give the field of view (--fov)";
+  }
+
+  // Two photos of one view by their poses, that have nothing in common.
+  std::string unrelated() const {
+    const std::vector<std::vector<bool>> shared = shared_points();
+    const double view = 2 * std::atan2(0.5 * sweep_.features[0].width, r_.bundle.lens.focal_px);
+    const double same_place = kSamePlace * median_distance();
+    for (int b = 0; b < sweep_.frames(); ++b) {
+      for (int a = 0; a < b; ++a) {
+        if (!posed(a) || !posed(b) || shared[static_cast<size_t>(a)][static_cast<size_t>(b)]) continue;
+        const Pose &p = camera(a), &q = camera(b);
+        const double cosine = p.world_from_camera.col(2).dot(q.world_from_camera.col(2));
+        if (std::acos(std::clamp(cosine, -1.0, 1.0)) > kSameView * view) continue;
+        if (r_.motion != Motion::rotation && (p.centre - q.centre).norm() > same_place) continue;
+        return both(a, b) + " look the same way by their poses and show nothing in common";
+      }
+    }
+    return {};
+  }
+
+ private:
+  bool posed(int frame) const { return r_.dropped[static_cast<size_t>(frame)].empty(); }
+  const Pose& camera(int frame) const { return r_.bundle.cameras[static_cast<size_t>(frame)]; }
+  std::string both(int a, int b) const {
+    return names_[static_cast<size_t>(a)] + " and " + names_[static_cast<size_t>(b)];
+  }
+
+  // Of the points, from the cameras' mean place.
+  double median_distance() const {
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    for (const Pose& pose : r_.bundle.cameras) place += pose.centre / static_cast<double>(r_.bundle.cameras.size());
+    std::vector<double> inverse;
+    for (const InversePoint& point : r_.bundle.points)
+      inverse.push_back(std::max(point.inverse_distance / point.seen_from(place).norm(), 1e-6));
+    if (inverse.empty()) return 0;
+    const auto middle = inverse.begin() + static_cast<std::ptrdiff_t>(inverse.size() / 2);
+    std::nth_element(inverse.begin(), middle, inverse.end());
+    return 1 / *middle;
+  }
+
+  std::vector<std::vector<bool>> shared_points() const {
+    const size_t count = static_cast<size_t>(sweep_.frames());
+    std::vector<std::vector<bool>> shared(count, std::vector<bool>(count, false));
+    for (const Track& track : r_.tracks) {
+      for (const Observation& p : track) {
+        for (const Observation& q : track) shared[static_cast<size_t>(p.frame)][static_cast<size_t>(q.frame)] = true;
+      }
+    }
+    return shared;
+  }
+
+  const MatchedSweep& sweep_;
+  const Reconstruction& r_;
+  const std::vector<std::string>& names_;
+};
+
+}  // namespace
+
+std::string doubt(const MatchedSweep& sweep, const Reconstruction& reconstruction,
+                  const std::vector<std::string>& names, bool focal_known) {
+  const Doubts doubts(sweep, reconstruction, names);
+  for (const std::string& found : {doubts.contradicted(), doubts.unrelated(), doubts.loose(),
+                                   doubts.in_pairs(focal_known), doubts.no_lens(focal_known)}) {
+    if (!found.empty()) return found;
+  }
+  return {};
+}
+
+}  // namespace ldp

@@ -1,0 +1,22 @@
+// Whether a reconstruction contradicts what was seen: an honest word about poses that fit their points well and may be
+// wrong all the same (repeated texture, moving things, too little overlap).
+//
+// Asked of the photos' own evidence, not of the residuals, which outliers have already left: do verified matches agree
+// with the poses, do enough points tie each photo to those before it, do photos that should show the same share points,
+// does a third photo compare the steps between two?
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/poses/tracks/match_graph.h"
+#include "core/poses/tracks/reconstruction.h"
+
+namespace ldp {
+
+// One line that names the most suspicious photos; empty when nothing is. `names` are the sweep's frames',
+// focal_known whether someone told the focal length.
+std::string doubt(const MatchedSweep& sweep, const Reconstruction& reconstruction,
+                  const std::vector<std::string>& names, bool focal_known);
+
+}  // namespace ldp

@@ -1,0 +1,77 @@
+#include "core/poses/refine/resection.h"
+
+#include "core/poses/start/rotation_averaging.h"
+
+namespace ldp {
+namespace {
+
+constexpr double kTolerance = 12;  // pixels of 800 that a match may miss the cameras by
+constexpr double kLost = 0.3;      // of a frame's matches agree, or fewer, where it is lost
+constexpr double kTelling = 60;    // matches of a frame from which that tells something
+
+using Pairs = std::vector<const PairMatches*>;
+
+Pairs pairs_of(const MatchedSweep& sweep, const Reconstruction& r, int frame) {
+  Pairs pairs;
+  for (const PairMatches& pair : sweep.pairs) {
+    const int other = pair.a == frame ? pair.b : pair.b == frame ? pair.a : -1;
+    if (other >= 0 && r.dropped[static_cast<size_t>(other)].empty()) pairs.push_back(&pair);
+  }
+  return pairs;
+}
+
+double agreeing_share(const MatchedSweep& sweep, const Bundle& bundle, const Pairs& pairs) {
+  double agree = 0, all = 0;
+  for (const PairMatches* pair : pairs) {
+    const double count = static_cast<double>(pair->matches.size());
+    agree += count * agreeing_share(sweep, bundle, *pair, sweep.pixels(kTolerance));
+    all += count;
+  }
+  return agree / all;
+}
+
+// Where the pair's matches want the frame beside the other one.
+Pose beside(const MatchedSweep& sweep, const Bundle& bundle, const PairMatches& pair, int frame) {
+  const Eigen::Matrix3d b_from_a = turn_between(sweep, pair, bundle.lens.focal_px, Turning::on_the_sphere).b_from_a;
+  const int other = pair.a == frame ? pair.b : pair.a;
+  const Eigen::Matrix3d& of_other = bundle.cameras[static_cast<size_t>(other)].world_from_camera;
+  const Eigen::Matrix3d other_from_frame = pair.a == frame ? b_from_a : Eigen::Matrix3d(b_from_a.transpose());
+  const Eigen::Matrix3d world_from_frame = of_other * other_from_frame;
+  return {world_from_frame, world_from_frame.col(2)};
+}
+
+bool reseat(const MatchedSweep& sweep, Reconstruction& r, int frame) {
+  const Pairs pairs = pairs_of(sweep, r, frame);
+  Pose& pose = r.bundle.cameras[static_cast<size_t>(frame)];
+  Pose best = pose;
+  const double now = agreeing_share(sweep, r.bundle, pairs);
+  double most = std::max(kLost, now);
+  for (const PairMatches* pair : pairs) {
+    pose = beside(sweep, r.bundle, *pair, frame);
+    const double share = agreeing_share(sweep, r.bundle, pairs);
+    if (share > most) most = share, best = pose;
+  }
+  pose = best;
+  return most > std::max(kLost, now);
+}
+
+}  // namespace
+
+bool reseat_lost_frames(const MatchedSweep& sweep, Reconstruction& r) {
+  std::vector<double> of_matches(r.dropped.size(), 0), agree = of_matches;
+  for (const PairMatches& pair : sweep.pairs) {
+    const size_t a = static_cast<size_t>(pair.a), b = static_cast<size_t>(pair.b);
+    if (!r.dropped[a].empty() || !r.dropped[b].empty()) continue;
+    const double count = static_cast<double>(pair.matches.size());
+    const double agreeing = count * agreeing_share(sweep, r.bundle, pair, sweep.pixels(kTolerance));
+    for (const size_t frame : {a, b}) of_matches[frame] += count, agree[frame] += agreeing;
+  }
+  bool any = false;
+  for (size_t frame = 0; frame < agree.size(); ++frame) {
+    if (of_matches[frame] >= kTelling && agree[frame] < kLost * of_matches[frame])
+      any = reseat(sweep, r, static_cast<int>(frame)) || any;
+  }
+  return any;
+}
+
+}  // namespace ldp

@@ -1,5 +1,0 @@
-#define LDP_KERNELS base
-#include "kernels.inc"
-
-#define LDP_DISPATCHED ldp::kernels
-#include "kernel_dispatch.inc"

@@ -1,0 +1,117 @@
+#include "core/sweep/voxel_lines.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/exact_math.h"
+
+namespace ldp {
+namespace {
+
+constexpr double kLeastCosine = 0.3;  // between the ray and the camera's axis: 72 degrees
+constexpr double kLargestStep = 4;    // photo rows per panorama row; beyond, a voxel is too near to the camera
+constexpr double kLargestRow = 1 << 20;
+constexpr int kHidesNothing = 65535;  // the nearest that a surface can be
+
+// The library's floor, and divisions of 64-bit integers, are slow where processors lack them.
+int64_t floor_of(double value) {
+  const auto whole = static_cast<int64_t>(value);
+  return whole - (static_cast<double>(whole) > value ? 1 : 0);
+}
+
+// The quotient's rounding does not reach a whole number: a and b stay below 2^52.
+int64_t ceil_div(int64_t a, int64_t b) { return -floor_of(static_cast<double>(-a) / static_cast<double>(b)); }
+
+}  // namespace
+
+LineTable::LineTable(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid,
+                     const std::vector<VisibilityMap>& visibility, int margin_px, Layer layer)
+    : frames_(frames),
+      grid_(grid),
+      visibility_(visibility.empty() ? nullptr : &visibility),
+      margin_px_(margin_px),
+      layer_(layer) {
+  const Eigen::Matrix3d& axes = grid.arc.world_from_arc;
+  for (const UprightFrame& frame : frames) {
+    const UprightCamera& camera = frame.camera;
+    const Eigen::Vector3d offset = grid.arc.centre - camera.centre;
+    views_.push_back({exact_dot(camera.right, axes.col(0)), exact_dot(camera.right, axes.col(1)),
+                      exact_dot(camera.forward, axes.col(0)), exact_dot(camera.forward, axes.col(1)),
+                      exact_dot(offset, camera.right), exact_dot(offset, camera.forward),
+                      exact_dot(offset, axes.col(2)), -exact_dot(offset, axes.col(0)),
+                      -exact_dot(offset, axes.col(1))});
+  }
+  const int columns = grid.wraps ? grid.width : grid.width + 2 * margin_px;
+  for (int i = 0; i < columns; ++i) {
+    const SineCosine angle = exact_sine_cosine(grid.theta((grid.wraps ? i : i - margin_px) + 0.5));
+    outward_.push_back({angle.cosine, angle.sine});
+    std::vector<std::pair<double, uint16_t>> seen;
+    for (size_t k = 0; k < views_.size(); ++k) {
+      const double along = angle.cosine * views_[k].forward_x + angle.sine * views_[k].forward_y;
+      const double aside = std::abs(angle.cosine * views_[k].place_y - angle.sine * views_[k].place_x);
+      if (along > kLeastCosine) seen.emplace_back(aside, static_cast<uint16_t>(k));
+    }
+    std::sort(seen.begin(), seen.end());
+    auto& views = views_of_column_.emplace_back();
+    for (const auto& [cost, view] : seen) views.push_back(view);
+  }
+}
+
+size_t LineTable::slot(int column) const {
+  if (!grid_.wraps) return static_cast<size_t>(column + margin_px_);
+  const int wrapped = column % grid_.width;
+  return static_cast<size_t>(wrapped < 0 ? wrapped + grid_.width : wrapped);
+}
+
+void LineTable::find(int column, double inverse_depth, int y_begin, int y_end, Lines& lines) const {
+  const size_t at = slot(column);
+  lines.count = 0;
+  for (const uint16_t view : views_of_column_[at]) {
+    if (lines.count == kernels::kMaxViews) break;
+    Line& line = lines.line[static_cast<size_t>(lines.count)];
+    if (!make_line(view, outward_[at][0], outward_[at][1], inverse_depth, line)) continue;
+    line.y_begin = std::max(line.y_begin, y_begin);
+    line.y_end = std::min(line.y_end, y_end);
+    if (lines.count == 0 && layer_ == Layer::front) line.surface_limit = kHidesNothing;
+    if (line.y_begin < line.y_end) ++lines.count;
+  }
+}
+
+// A voxel at q = offset + r u + (u + v n) / w from the camera, all times w to hold at infinity.
+bool LineTable::make_line(size_t view, double cosine, double sine, double inverse_depth, Line& line) const {
+  const View& k = views_[view];
+  const UprightFrame& frame = frames_[view];
+  const UprightCamera& camera = frame.camera;
+  const double w = inverse_depth, reach = grid_.ray_radius() * w + 1;
+  const double right = k.offset_right * w + reach * (cosine * k.right_x + sine * k.right_y);
+  const double forward = k.offset_forward * w + reach * (cosine * k.forward_x + sine * k.forward_y);
+  if (forward <= 1e-3) return false;
+  const double scale = camera.focal / forward;
+  const double x_px = (scale * right + camera.cx - 0.5) * kernels::kWeightOne + 0.5;
+  if (!(x_px >= 0 && x_px < (camera.width - 1) * static_cast<double>(kernels::kWeightOne))) return false;
+  const int x_q6 = static_cast<int>(x_px), x = x_q6 >> kernels::kWeightBits;
+  line.weight = x_q6 & (kernels::kWeightOne - 1);
+  const double step = scale * grid_.v_pitch;
+  const double row = camera.cy - 0.5 - scale * (k.offset_up * w + grid_.v(0.5));
+  if (step > kLargestStep || std::abs(row) > kLargestRow) return false;
+  line.step_q16 = static_cast<int32_t>(floor_of(step * 65536 + 0.5));
+  line.row_q16 = floor_of(row * 65536 + 0.5) + (65536 / kernels::kWeightOne / 2);
+  line.grey = {frame.columns.row(x), frame.columns.row(x + 1)};
+  line.tint = {frame.tint.row(x), frame.tint.row(x + 1)};
+  const auto c = static_cast<size_t>(x);
+  const int64_t first = std::max(frame.valid_begin[c], frame.valid_begin[c + 1]),
+                last = std::min(frame.valid_end[c], frame.valid_end[c + 1]) - 1;
+  if (first >= last || line.step_q16 <= 0) return false;
+  constexpr int64_t kFar = 1 << 30;
+  line.y_begin = static_cast<int>(std::clamp(ceil_div(first * 65536 - line.row_q16, line.step_q16), -kFar, kFar));
+  line.y_end = static_cast<int>(std::clamp(ceil_div(last * 65536 - line.row_q16, line.step_q16), -kFar, kFar));
+  if (!visibility_) return true;
+  const VisibilityMap& map = (*visibility_)[view];
+  const int nearest = line.weight < kernels::kWeightOne / 2 ? x : x + 1;
+  line.surface = map.inverse_z.row(std::min(nearest / map.shrink, map.inverse_z.height - 1));
+  line.surface_shrink = map.shrink;
+  line.surface_limit = static_cast<int>(std::min(w / forward / map.scale, 65535.0)) + map.tolerance;
+  return true;
+}
+
+}  // namespace ldp

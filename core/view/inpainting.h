@@ -1,0 +1,16 @@
+// Continues the background over the holes of a view.
+//
+// A hole lies beside a near surface that has moved away from what it hid, so it is filled from the farther surfaces at
+// its rim alone: rim colours are averaged into ever coarser images and drawn back into the hole (pull-push), which is
+// smooth, has no direction, and does not flicker from one view of a path to the next.
+#pragma once
+
+#include "core/base/plane.h"
+
+namespace ldp::render {
+
+// Pixels with alpha below 255 are mixed with the background in that proportion. inverse_z: of every pixel, negative
+// where there is nothing. Gives the share of pixels that were holes (alpha below 128).
+double fill_background(const Plane<float>& inverse_z, RgbImage& colour, Plane<uint8_t>& alpha);
+
+}  // namespace ldp::render

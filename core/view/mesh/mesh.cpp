@@ -1,0 +1,304 @@
+#include "core/view/mesh/mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "core/view/mesh/prepared_layer.h"
+#include "core/view/mesh/torn_quads.h"
+#include "core/view/mesh/underlay.h"
+
+namespace ldp::render {
+namespace {
+
+// What a slanted surface may change from one pixel to the next: a share of its inverse depth (a surface seen at 88.5
+// degrees from its normal) plus this many pixels of parallax over one arc radius.
+constexpr float kSlant = 0.02F;
+constexpr double kParallaxPx = 1.5;
+
+void check(const Layer& layer, const PanoramaGrid& grid, size_t index) {
+  const auto fits = [&](const auto& plane) { return plane.width == grid.width && plane.height == grid.height; };
+  if (!fits(layer.depth.codes) || !fits(layer.coverage) || !fits(layer.colour) ||
+      (!layer.alpha.empty() && !fits(layer.alpha)))
+    throw std::logic_error("Renderer: layer " + std::to_string(index) + " is not as large as the panorama");
+}
+
+// Largest error of each pixel's inverse depth that comes from its code alone.
+float code_step(const PanoramaGrid& grid, const DepthCodes& depth, int x, int y) {
+  const BlockRange range =
+      depth.block_px == 0 ? depth.ranges.samples[0] : depth.ranges.at(x / depth.block_px, y / depth.block_px);
+  return static_cast<float>((grid.w_near - grid.w_far) * (range.high - range.low) / kDisparitySteps);
+}
+
+PreparedLayer prepare_layer(const PanoramaGrid& grid, const Layer& layer) {
+  const int columns = grid.wraps ? grid.width + 1 : grid.width;
+  PreparedLayer prepared{Plane<float>(columns, grid.height, kAbsent),
+                         Plane<Rgba>(columns, grid.height),
+                         {},
+                         Plane<float>(columns, grid.height)};
+  for (int y = 0; y < grid.height; ++y)
+    for (int column = 0; column < columns; ++column) {
+      const int x = column == grid.width ? 0 : column;
+      if (!layer.coverage.at(x, y)) continue;
+      const uint8_t alpha = layer.alpha.empty() ? uint8_t{255} : layer.alpha.at(x, y);
+      prepared.w.at(column, y) = static_cast<float>(grid.inverse_depth(layer.depth.disparity(x, y)));
+      prepared.colour.at(column, y) = pack(layer.colour.at(x, y), alpha);
+      prepared.step.at(column, y) = code_step(grid, layer.depth, x, y);
+    }
+  prepared.code_w = prepared.w;
+  return prepared;
+}
+
+// Takes the steps out of coarsely coded surfaces (a block that an edge crosses has one range for both sides): every
+// pixel moves towards the mean of its neighbours on the same surface, finely coded ones counting more, but no farther
+// than its code's rounding allows.
+class CodeSmoother {
+ public:
+  CodeSmoother(PreparedLayer& layer, float parallax) : layer_(layer), w_(layer.w), parallax_(parallax) {
+    constexpr float kFine = 0.1F;  // share of the tear threshold's parallax below which steps do not show
+    for (int y = 0; y < w_.height; ++y)
+      for (int x = 0; x < w_.width; ++x)
+        if (w_.at(x, y) >= 0 && layer.step.at(x, y) > kFine * parallax) add(x, y);
+  }
+
+  void run() {
+    constexpr int kSweeps = 4;  // there and back each
+    for (int i = 0; i < kSweeps; ++i) {
+      for (auto pixel = pixels_.begin(); pixel != pixels_.end(); ++pixel) relax(*pixel);
+      for (auto pixel = pixels_.rbegin(); pixel != pixels_.rend(); ++pixel) relax(*pixel);
+    }
+  }
+
+ private:
+  struct Pixel {
+    size_t index;
+    float weight[4];  // of the left, right, upper and lower neighbour; they sum to 1
+  };
+
+  void add(int x, int y) {
+    constexpr std::array<std::array<int, 2>, 4> kNeighbours = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
+    Pixel pixel{w_.index(x, y), {}};
+    float sum = 0;
+    for (size_t k = 0; k < 4; ++k) {
+      const int nx = x + kNeighbours[k][0], ny = y + kNeighbours[k][1];
+      if (!w_.contains(nx, ny)) continue;
+      const size_t n = w_.index(nx, ny);
+      if (!connected(layer_.code_w.samples[pixel.index], layer_.step.samples[pixel.index], layer_.code_w.samples[n],
+                     layer_.step.samples[n], parallax_))
+        continue;
+      pixel.weight[k] = 1 / (layer_.step.samples[n] + 0.1F * parallax_);
+      sum += pixel.weight[k];
+    }
+    if (sum <= 0) return;
+    for (float& weight : pixel.weight) weight /= sum;
+    pixels_.push_back(pixel);
+  }
+
+  void relax(const Pixel& pixel) {
+    const std::ptrdiff_t offsets[4] = {-1, 1, -w_.width, w_.width};
+    float mean = 0;
+    for (size_t k = 0; k < 4; ++k)
+      if (pixel.weight[k] > 0)
+        mean +=
+            pixel.weight[k] * w_.samples[static_cast<size_t>(static_cast<std::ptrdiff_t>(pixel.index) + offsets[k])];
+    const float code = layer_.code_w.samples[pixel.index], half = 0.5F * layer_.step.samples[pixel.index];
+    w_.samples[pixel.index] = std::max(0.0F, std::clamp(mean, code - half, code + half));
+  }
+
+  PreparedLayer& layer_;
+  Plane<float>& w_;
+  float parallax_;
+  std::vector<Pixel> pixels_;
+};
+
+// One corner of a quad in one layer.
+struct Corner {
+  float w = kAbsent, code_w = kAbsent, step = 0;
+  Rgba colour = 0;
+  bool present() const { return w >= 0; }
+};
+using Corners = std::array<Corner, 4>;
+
+class Builder {
+ public:
+  explicit Builder(const LayeredPanorama& panorama);
+  Mesh build();
+
+ private:
+  MeshTile build_tile(int layer, int x0, int y0) const;
+  void build_quad(MeshTile& tile, std::vector<TornQuad>& torn, int x, int y) const;
+  void copy_vertices(MeshTile& tile) const;
+  TornQuad torn_quad(const MeshTile& tile, const std::array<int, 4>& surface, int wanted, int x, int y) const;
+  Corner extend(int layer, const Corner& from, int x, int y) const;
+  Corner corner(int layer, int x, int y) const;
+  std::array<int, 4> group(const Corners& corners) const;
+  bool connected(const Corner& a, const Corner& b) const {
+    return render::connected(a.code_w, a.step, b.code_w, b.step, parallax_);
+  }
+
+  const PanoramaGrid& grid_;
+  std::vector<PreparedLayer> layers_;
+  float parallax_ = 0;
+};
+
+Builder::Builder(const LayeredPanorama& panorama) : grid_(panorama.grid) {
+  const double radius = grid_.arc.radius > 0 ? grid_.arc.radius : 1;
+  parallax_ = static_cast<float>(kParallaxPx * grid_.v_pitch / radius);
+  for (size_t i = 0; i < panorama.layers.size(); ++i) {
+    check(panorama.layers[i], grid_, i);
+    layers_.push_back(prepare_layer(grid_, panorama.layers[i]));
+    // With one range for all, neighbouring codes are as often two surfaces as one.
+    if (panorama.layers[i].depth.block_px != 0) CodeSmoother(layers_.back(), parallax_).run();
+  }
+  if (!layers_.empty()) layers_.push_back(make_underlay(layers_, grid_.wraps, parallax_));
+}
+
+Corner Builder::corner(int layer, int x, int y) const {
+  const PreparedLayer& from = layers_[static_cast<size_t>(layer)];
+  const size_t i = from.step.index(x, y);
+  return {from.w.samples[i], from.code_w.samples[i], from.step.samples[i], from.colour.samples[i]};
+}
+
+// Surfaces of a quad: the index of a corner's surface is its first corner's; -1 = absent.
+std::array<int, 4> Builder::group(const Corners& c) const {
+  std::array<int, 4> surface = {0, 1, 2, 3};
+  const auto join = [&](int a, int b) {
+    if (!connected(c[static_cast<size_t>(a)], c[static_cast<size_t>(b)])) return;
+    const int from = std::max(surface[static_cast<size_t>(a)], surface[static_cast<size_t>(b)]);
+    const int to = std::min(surface[static_cast<size_t>(a)], surface[static_cast<size_t>(b)]);
+    for (int& s : surface)
+      if (s == from) s = to;
+  };
+  join(0, 1), join(0, 2), join(1, 3), join(2, 3), join(0, 3), join(1, 2);
+  for (size_t i = 0; i < 4; ++i)
+    if (!c[i].present()) surface[i] = -1;
+  return surface;
+}
+
+// The corner (x, y) that `from`, next to it, would have if its surface went on.
+Corner Builder::extend(int layer, const Corner& from, int x, int y) const {
+  Corner best;
+  bool hidden = false;
+  for (int other = 0; other < static_cast<int>(layers_.size()); ++other) {
+    const Corner c = corner(other, x, y);
+    if (!c.present()) continue;
+    if (other != layer && connected(from, c) && (!best.present() || std::abs(c.w - from.w) < std::abs(best.w - from.w)))
+      best = c;
+    hidden |= c.w > from.w;
+  }
+  if (best.present()) return best;
+  best = from;
+  if (!hidden) best.colour &= 0x00FFFFFFU;
+  return best;
+}
+
+TornQuad Builder::torn_quad(const MeshTile& tile, const std::array<int, 4>& surface, int wanted, int x, int y) const {
+  // Where a missing corner is extended from: its neighbours along the quad's sides, then the opposite corner.
+  constexpr std::array<std::array<size_t, 3>, 4> kNeighbours = {{{1, 2, 3}, {0, 3, 2}, {3, 0, 1}, {2, 1, 0}}};
+  TornQuad quad;
+  const auto at = [&](size_t k) {
+    return corner(tile.layer, x + static_cast<int>(k & 1), y + static_cast<int>(k >> 1));
+  };
+  for (size_t i = 0; i < 4; ++i) {
+    Corner c = at(i);
+    if (surface[i] != wanted) {
+      size_t source = 0;
+      while (surface[kNeighbours[i][source]] != wanted) ++source;
+      const size_t k = kNeighbours[i][source];
+      c = extend(tile.layer, at(k), x + static_cast<int>(i & 1), y + static_cast<int>(i >> 1));
+    }
+    const auto x_in_tile = static_cast<size_t>(x - tile.x0) + (i & 1);
+    const auto y_in_tile = static_cast<size_t>(y - tile.y0) + (i >> 1);
+    quad.corners[i] = {static_cast<uint8_t>(x_in_tile), static_cast<uint8_t>(y_in_tile), c.w, c.colour};
+  }
+  return quad;
+}
+
+void Builder::build_quad(MeshTile& tile, std::vector<TornQuad>& torn, int x, int y) const {
+  Corners c;
+  for (int i = 0; i < 4; ++i) c[static_cast<size_t>(i)] = corner(tile.layer, x + (i & 1), y + (i >> 1));
+  const std::array<int, 4> surface = group(c);
+  const bool whole = surface == std::array<int, 4>{0, 0, 0, 0};
+  const bool opaque = std::all_of(c.begin(), c.end(), [](const Corner& k) { return alpha_of(k.colour) == 255; });
+  if (whole && opaque) {
+    tile.solid[y - tile.y0] |= 1U << (x - tile.x0);
+    return;
+  }
+  for (int s = 0; s < 4; ++s)
+    if (surface[static_cast<size_t>(s)] == s) torn.push_back(torn_quad(tile, surface, s, x, y));
+}
+
+void Builder::copy_vertices(MeshTile& tile) const {
+  const PreparedLayer& from = layers_[static_cast<size_t>(tile.layer)];
+  tile.w.assign(kTileVertices * kTileVertices, kAbsent);
+  tile.colour.assign(kTileVertices * kTileVertices, 0);
+  for (int y = 0; y < std::min(kTileVertices, from.w.height - tile.y0); ++y)
+    for (int x = 0; x < std::min(kTileVertices, from.w.width - tile.x0); ++x) {
+      tile.w[MeshTile::index(x, y)] = from.w.at(tile.x0 + x, tile.y0 + y);
+      tile.colour[MeshTile::index(x, y)] = from.colour.at(tile.x0 + x, tile.y0 + y);
+    }
+}
+
+void find_ranges(MeshTile& tile, const std::vector<TornQuad>& torn) {
+  std::fill_n(tile.cell_w_min, kCells, INFINITY);
+  std::fill_n(tile.cell_w_max, kCells, kAbsent);
+  const auto include = [&](int x_in_tile, int y_in_tile, float w) {
+    const int cell = cell_of(x_in_tile, y_in_tile);
+    tile.cell_w_min[cell] = std::min(tile.cell_w_min[cell], w);
+    tile.cell_w_max[cell] = std::max(tile.cell_w_max[cell], w);
+  };
+  for (int y = 0; y < kTilePx; ++y)
+    for (uint32_t bits = tile.solid[y]; bits != 0; bits &= bits - 1) {
+      const int x = std::countr_zero(bits);
+      for (int k = 0; k < 4; ++k) include(x, y, tile.w[MeshTile::index(x + (k & 1), y + (k >> 1))]);
+    }
+  for (const TornQuad& quad : torn)
+    for (const TornVertex& corner : quad.corners)
+      include(quad.corners[0].x_in_tile, quad.corners[0].y_in_tile, corner.w);
+  tile.w_min = *std::min_element(tile.cell_w_min, tile.cell_w_min + kCells);
+  tile.w_max = *std::max_element(tile.cell_w_max, tile.cell_w_max + kCells);
+}
+
+MeshTile Builder::build_tile(int layer, int x0, int y0) const {
+  MeshTile tile;
+  tile.layer = layer;
+  tile.x0 = x0;
+  tile.y0 = y0;
+  const int x1 = std::min(x0 + kTilePx, grid_.wraps ? grid_.width : grid_.width - 1);
+  const int y1 = std::min(y0 + kTilePx, grid_.height - 1);
+  std::vector<TornQuad> torn;
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x) build_quad(tile, torn, x, y);
+  if (std::any_of(std::begin(tile.solid), std::end(tile.solid), [](uint32_t row) { return row != 0; }))
+    copy_vertices(tile);
+  find_ranges(tile, torn);
+  store_torn(std::move(torn), tile);
+  return tile;
+}
+
+Mesh Builder::build() {
+  Mesh mesh;
+  mesh.layers = static_cast<int>(layers_.size());
+  for (int layer = 0; layer < static_cast<int>(layers_.size()); ++layer)
+    for (int y0 = 0; y0 + 1 < grid_.height; y0 += kTilePx)
+      for (int x0 = 0; x0 < (grid_.wraps ? grid_.width : grid_.width - 1); x0 += kTilePx) {
+        MeshTile tile = build_tile(layer, x0, y0);
+        if (!tile.w.empty() || !tile.torn.empty()) mesh.tiles.push_back(std::move(tile));
+      }
+  return mesh;
+}
+
+}  // namespace
+
+bool connected(float a, float a_step, float b, float b_step, float parallax) {
+  if (a < 0 || b < 0) return false;
+  return std::abs(a - b) <= 0.51F * (a_step + b_step) + kSlant * std::max(a, b) + parallax;
+}
+
+Mesh build_mesh(const LayeredPanorama& panorama) { return Builder(panorama).build(); }
+
+}  // namespace ldp::render

@@ -1,0 +1,15 @@
+// One layer more, made up: continues the deepest surfaces some pixels underneath the nearer ones beside them, where no
+// layer shows what is there. Silhouettes lie up to half a matching window beside the truth, and without this a small
+// step aside opens cracks along all of them. What is further behind stays a hole.
+#pragma once
+
+#include <vector>
+
+#include "core/view/mesh/prepared_layer.h"
+
+namespace ldp::render {
+
+// Layers of one size, at least one. `wraps`: the last column is the first one again. Colours are those of the edge.
+PreparedLayer make_underlay(const std::vector<PreparedLayer>& layers, bool wraps, float parallax);
+
+}  // namespace ldp::render

@@ -1,0 +1,110 @@
+#include "core/view/render.h"
+
+#include <algorithm>
+#include <limits>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+
+#include "core/view/inpainting.h"
+#include "core/view/mesh/mesh.h"
+#include "core/view/raster/raster.h"
+#include "core/view/raster/view_frustum.h"
+
+namespace ldp {
+namespace {
+
+constexpr int kStripPx = 200;  // few tiles cross strips, and a strip's buffers still fit a cache
+constexpr int kMaxViewSide = 1 << 14;
+
+void check(const Camera& camera) {
+  const Intrinsics& k = camera.intrinsics;
+  const auto size = std::to_string(k.width) + "x" + std::to_string(k.height);
+  if (k.width < 1 || k.height < 1 || k.width > kMaxViewSide || k.height > kMaxViewSide)
+    throw std::runtime_error("render: view \"" + camera.name + "\" is " + size + " pixels; sides must be 1 to " +
+                             std::to_string(kMaxViewSide));
+  if (!(k.fx > 0) || !(k.fy > 0))
+    throw std::runtime_error("render: view \"" + camera.name + "\" needs positive focal lengths fl_x, fl_y");
+}
+
+Plane<float> depth_of(Plane<float> inverse_z) {
+  for (float& z : inverse_z.samples) {
+    if (z == render::kNothing)
+      z = 0;
+    else
+      z = z > 0 ? 1 / z : std::numeric_limits<float>::infinity();
+  }
+  return inverse_z;
+}
+
+// inverse_z may be empty.
+void store(const render::StripTarget& strip, View& view, Plane<float>& inverse_z) {
+  for (int y = 0; y < strip.height; ++y) {
+    const size_t from = strip.pixel(strip.x0, y), to = view.colour.index(strip.x0, y);
+    for (size_t x = 0; x < static_cast<size_t>(strip.width); ++x) {
+      const render::Fragment& opaque = strip.opaque[from + x];
+      const render::Fragment shown = strip.first_soft[from + x] < 0 ? opaque : render::blend(strip, from + x);
+      view.colour.samples[to + x] = {static_cast<uint8_t>(shown.colour), static_cast<uint8_t>(shown.colour >> 8),
+                                     static_cast<uint8_t>(shown.colour >> 16)};
+      view.alpha.samples[to + x] = static_cast<uint8_t>(render::alpha_of(shown.colour));
+      if (!inverse_z.empty()) inverse_z.samples[to + x] = shown.inverse_z;
+    }
+  }
+}
+
+}  // namespace
+
+struct Renderer::Prepared {
+  PanoramaGrid grid;
+  render::Mesh mesh;
+
+  // Strip buffers of earlier views, to be used again.
+  std::mutex mutex;
+  std::vector<std::unique_ptr<render::StripTarget>> spare;
+
+  std::unique_ptr<render::StripTarget> take_strip() {
+    const std::lock_guard lock(mutex);
+    if (spare.empty()) return std::make_unique<render::StripTarget>();
+    auto strip = std::move(spare.back());
+    spare.pop_back();
+    return strip;
+  }
+  void give_back(std::unique_ptr<render::StripTarget> strip) {
+    const std::lock_guard lock(mutex);
+    spare.push_back(std::move(strip));
+  }
+};
+
+Renderer::Renderer(const LayeredPanorama& panorama)
+    : prepared_(new Prepared{panorama.grid, render::build_mesh(panorama), {}, {}}) {}
+
+Renderer::~Renderer() = default;
+
+View Renderer::render(const Camera& camera, const RenderOptions& options, const Job& job) const {
+  check(camera);
+  const Intrinsics& k = camera.intrinsics;
+  View view{RgbImage(k.width, k.height), Plane<uint8_t>(k.width, k.height), {}, 0};
+  Plane<float> inverse_z;
+  if (options.depth || options.fill != Fill::none) inverse_z = Plane<float>(k.width, k.height);
+  const render::ViewFrustum frustum(prepared_->grid, camera);
+  const render::Window window = frustum.window(0, k.width);
+  const auto all = prepared_->mesh.layers;
+  const int drawn = options.layers < all - 1 ? options.layers : all;  // the underlay lies behind the last layer
+  std::vector<const render::MeshTile*> tiles;
+  for (const render::MeshTile& tile : prepared_->mesh.tiles)
+    if (tile.layer < drawn && frustum.sees(tile, window)) tiles.push_back(&tile);
+  const int strips = (k.width + kStripPx - 1) / kStripPx;
+  parallel_for(job, strips, [&](int i) {
+    auto strip = prepared_->take_strip();
+    strip->clear(i * kStripPx, std::min(kStripPx, k.width - i * kStripPx), k.height);
+    render::draw(tiles, frustum, *strip);
+    store(*strip, view, inverse_z);
+    prepared_->give_back(std::move(strip));
+  });
+  if (options.fill == Fill::background)
+    view.invented_share = render::fill_background(inverse_z, view.colour, view.alpha);
+  if (options.depth) view.depth = depth_of(std::move(inverse_z));
+  return view;
+}
+
+}  // namespace ldp

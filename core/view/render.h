@@ -1,0 +1,44 @@
+// A perspective view with parallax from a layered depth panorama (paper section 3).
+//
+// Takes a panorama and a camera (any pose, distortion honoured); gives colour, alpha and z-depth. Layers are meshes
+// that tear at depth edges, drawn with a z-buffer; the deepest surfaces go on some pixels underneath silhouettes
+// (underlay.h). Pixels that nothing covers have alpha 0 and depth 0.
+#pragma once
+
+#include <memory>
+
+#include "core/base/job.h"
+#include "core/geometry/geometry.h"
+#include "core/panorama/panorama.h"
+
+namespace ldp {
+
+enum class Fill { none, background };
+
+struct RenderOptions {
+  int layers = 8;          // draw at most so many of the panorama's layers; fewer than all have no underlay
+  Fill fill = Fill::none;  // background: continue the background over holes, alpha 255 everywhere
+  bool depth = false;      // also return z-depth
+};
+
+struct View {
+  RgbImage colour;
+  Plane<uint8_t> alpha;  // 0 = hole, 255 = covered
+  Plane<float>
+      depth;  // z along the camera's forward axis, capture's unit; 0 = none, infinity = at infinity; empty unless asked
+  double invented_share = 0;  // share of pixels that `fill` made up
+};
+
+// Prepares a panorama once (positions of its vertices, tears), then draws any number of views.
+class Renderer {
+ public:
+  explicit Renderer(const LayeredPanorama& panorama);  // the panorama is not needed afterwards
+  ~Renderer();
+  View render(const Camera& camera, const RenderOptions& options, const Job& job = {}) const;
+
+ private:
+  struct Prepared;
+  std::unique_ptr<Prepared> prepared_;
+};
+
+}  // namespace ldp

@@ -1,0 +1,239 @@
+#include "device/capture/capture_store.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "core/photos/images.h"
+#include "drivers/interface/clocks.h"
+#include "drivers/interface/errors.h"
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr uint64_t kFirstGuess_bytes = uint64_t{24} << 20;  // of a sweep with its panorama, before there is one
+constexpr const char* kPrefix = "sweep_";
+constexpr int kLockAttempts = 20;
+constexpr std::chrono::milliseconds kLockInterval{25};
+
+std::optional<int> number_of(const std::string& name) {
+  if (!name.starts_with(kPrefix)) return std::nullopt;
+  const std::string digits = name.substr(std::char_traits<char>::length(kPrefix));
+  const bool good =
+      digits.size() >= 6 && digits.size() <= 9 && digits.find_first_not_of("0123456789") == std::string::npos;
+  return good ? std::optional(std::stoi(digits)) : std::nullopt;
+}
+
+std::string name_from(int number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%s%06d", kPrefix, number);
+  return text;
+}
+
+bool is_frame(const fs::path& file) { return file.extension() == ".jpg" && file.stem().string().starts_with("frame_"); }
+
+void write_text(const fs::path& file, const std::string& text) {
+  write_file(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+std::string read_text(const fs::path& file) {
+  const std::vector<uint8_t> bytes = read_file(file);
+  return {bytes.begin(), bytes.end()};
+}
+
+void remove_temporaries(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file() && entry.path().extension() == ".tmp") files.push_back(entry.path());
+  }
+  for (const fs::path& file : files) fs::remove(file);
+}
+
+int count_frames(const fs::path& folder) {
+  int frames = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) frames += is_frame(entry.path()) ? 1 : 0;
+  return frames;
+}
+
+// Sizes as they are now; files that vanish meanwhile count nothing.
+uint64_t bytes_in(const fs::path& folder) {
+  uint64_t sum = 0;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const uintmax_t size = entry.file_size(error);
+    sum += error ? 0 : size;
+  }
+  return sum;
+}
+
+std::string utc(int64_t utc_ns) {
+  char buffer[32];
+  return utc_text(utc_ns, buffer);
+}
+
+}  // namespace
+
+void sync_folder(const fs::path& folder) {
+  const UniqueFd fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!fd.is_open() || ::fsync(fd.get()) != 0) throw_errno("cannot sync the folder " + folder.string());
+}
+
+std::string capture_json(const CaptureRecord& record) {
+  Json json;
+  json["version"] = 1;
+  json["device"] = record.device;
+  json["camera"] = record.camera;
+  json["width"] = record.width;
+  json["height"] = record.height;
+  json["pixel_format"] = record.pixel_format;
+  json["arm_length"] = record.arm_length_m;
+  if (record.fov_rad) json["fov_degrees"] = *record.fov_rad * 57.29577951308232;
+  json["exposure_locked"] = record.exposure_locked;
+  json["begin_utc"] = utc(record.begin_utc_ns);
+  json["begin_ns"] = record.begin_ns;
+  if (record.end_ns != 0) json["end_ns"] = record.end_ns;
+  json["complete"] = record.complete;
+  if (!record.end_reason.empty()) json["end_reason"] = record.end_reason;
+  json["frames"] = Json::array();
+  for (const FrameRecord& frame : record.frames) {
+    Json entry{{"file", frame.file}, {"time_ns", frame.time_ns}, {"sequence", frame.sequence}};
+    if (frame.exposure_s) entry["exposure_s"] = *frame.exposure_s;
+    if (frame.gain) entry["gain"] = *frame.gain;
+    json["frames"].push_back(std::move(entry));
+  }
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void CaptureStore::prepare() const {
+  std::error_code error;
+  fs::create_directories(output_, error);
+  if (error) throw std::runtime_error("cannot make the folder " + output_.string() + ": " + error.message());
+  if (::access(output_.c_str(), W_OK) != 0) throw_errno("cannot write into " + output_.string());
+}
+
+UniqueFd CaptureStore::lock() const {
+  const fs::path file = output_ / ".lock";
+  UniqueFd fd(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+  if (!fd.is_open()) throw_errno("cannot open " + file.string());
+  // Of a service that was killed, a build about to start may hold the lock for a moment more.
+  for (int attempt = 1; ::flock(fd.get(), LOCK_EX | LOCK_NB) != 0; ++attempt) {
+    if (errno != EWOULDBLOCK && errno != EINTR) throw_errno("cannot lock " + file.string());
+    if (attempt == kLockAttempts) {
+      throw std::runtime_error("another ldpd works in " + output_.string() + ": stop it, or name another folder");
+    }
+    std::this_thread::sleep_for(kLockInterval);
+  }
+  return fd;
+}
+
+std::vector<CaptureState> CaptureStore::recover() const {
+  clear_building();
+  remove_temporaries(output_);
+  std::vector<CaptureState> captures;
+  for (const auto& entry : fs::directory_iterator(output_)) {
+    const std::string name = entry.path().filename().string();
+    if (!entry.is_directory() || !number_of(name)) continue;
+    remove_temporaries(entry.path());
+    captures.push_back({name, count_frames(entry.path()), fs::exists(panorama_of(name)), read_build_record(name)});
+  }
+  std::sort(captures.begin(), captures.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  return captures;
+}
+
+std::string CaptureStore::create_capture() const {
+  int last = 0;
+  const fs::path counter = output_ / ".last_sweep";
+  if (fs::exists(counter)) last = std::max(0, std::atoi(read_text(counter).c_str()));
+  for (const auto& entry : fs::directory_iterator(output_)) {
+    last = std::max(last, number_of(entry.path().stem().string()).value_or(0));
+  }
+  const std::string name = name_from(last + 1);
+  write_text(counter, std::to_string(last + 1) + "\n");
+  fs::create_directory(folder_of(name));
+  sync_folder(output_);
+  return name;
+}
+
+void CaptureStore::discard(const std::string& name) const {
+  if (!number_of(name)) throw std::logic_error("not a capture: " + name);
+  fs::remove_all(folder_of(name));
+  sync_folder(output_);
+}
+
+void CaptureStore::clear_building() const {
+  fs::create_directory(output_ / ".building");
+  for (const auto& entry : fs::directory_iterator(output_ / ".building")) fs::remove_all(entry.path());
+}
+
+void CaptureStore::publish_panorama(const std::string& name) const {
+  const fs::path from = building_of(name), to = panorama_of(name);
+  const UniqueFd fd(::open(from.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!fd.is_open() || ::fsync(fd.get()) != 0) throw_errno("the build left no panorama: " + from.string());
+  fs::rename(from, to);
+  sync_folder(output_);
+  forget_build_record(name);
+}
+
+void CaptureStore::write_build_record(const std::string& name, const BuildRecord& record) const {
+  const Json json{{"interruptions", record.interruptions},
+                  {"cancelled", record.cancelled},
+                  {"failed", record.failed},
+                  {"reason", record.reason}};
+  write_text(folder_of(name) / "build.json", json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+BuildRecord CaptureStore::read_build_record(const std::string& name) const {
+  const fs::path file = folder_of(name) / "build.json";
+  if (!fs::exists(file)) return {};
+  const Json json = Json::parse(read_text(file), nullptr, false);
+  if (!json.is_object()) return {};
+  BuildRecord record;
+  const auto flag = [&](const char* key) {
+    return json.contains(key) && json[key].is_boolean() && json[key].get<bool>();
+  };
+  const auto count = json.find("interruptions");
+  if (count != json.end() && count->is_number_integer()) record.interruptions = count->get<int>();
+  record.cancelled = flag("cancelled");
+  record.failed = flag("failed");
+  const auto reason = json.find("reason");
+  if (reason != json.end() && reason->is_string()) record.reason = reason->get<std::string>();
+  return record;
+}
+
+void CaptureStore::forget_build_record(const std::string& name) const { fs::remove(folder_of(name) / "build.json"); }
+
+int CaptureStore::sweeps_left(uint64_t reserve_bytes) const {
+  struct statvfs disk {};
+  if (::statvfs(output_.c_str(), &disk) != 0) throw_errno("cannot ask for the free space of " + output_.string());
+  const uint64_t free_bytes = uint64_t{disk.f_bavail} * uint64_t{disk.f_frsize};
+  const uint64_t usable = free_bytes > reserve_bytes ? free_bytes - reserve_bytes : 0;
+  return static_cast<int>(std::min<uint64_t>(usable / usual_sweep_bytes(), 1'000'000));
+}
+
+// The largest of the last five sweeps and a bit, so that a promise of one more is kept.
+uint64_t CaptureStore::usual_sweep_bytes() const {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(output_)) {
+    if (number_of(entry.path().filename().string())) names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.rbegin(), names.rend());
+  uint64_t largest = 0;
+  for (size_t i = 0; i < std::min<size_t>(names.size(), 5); ++i) {
+    std::error_code error;
+    const uintmax_t panorama = fs::file_size(panorama_of(names[i]), error);
+    largest = std::max(largest, bytes_in(folder_of(names[i])) + (error ? 0 : panorama));
+  }
+  return largest > (uint64_t{1} << 20) ? largest + largest / 4 : kFirstGuess_bytes;
+}
+
+}  // namespace ldp

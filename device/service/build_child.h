@@ -1,0 +1,65 @@
+// A build in a process of its own: low priority, limited memory, progress through a pipe. Whatever becomes of it, the
+// service goes on; when the service dies, so does the build.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/interface/unique_fd.h"
+
+namespace ldp {
+
+struct BuildCommand {
+  std::filesystem::path program;       // ldp
+  std::vector<std::string> arguments;  // without --progress-fd, which is added
+  uint64_t memory_limit_bytes = 0;     // 0 = none
+  int niceness = 10;
+  bool is_told = false;  // lines on its standard input
+};
+
+struct BuildProgress {
+  double fraction = 0;
+  std::string stage;
+};
+
+struct BuildEnd {
+  bool ok = false;
+  std::string reason;  // the last line of its standard error, or what killed it
+  // It came to no verdict on the frames (status 1): killed, a full disk, a wrong option. Another time may go better.
+  bool retry = false;
+};
+
+class BuildChild {
+ public:
+  explicit BuildChild(const BuildCommand& command);  // throws std::system_error
+  ~BuildChild();                                     // kills it and waits for it
+  BuildChild(const BuildChild&) = delete;
+  BuildChild& operator=(const BuildChild&) = delete;
+
+  int end_fd() const { return process_.get(); }        // readable when it has ended
+  int progress_fd() const { return progress_.get(); }  // readable when there is progress; -1 once it is closed
+  int error_fd() const { return errors_.get(); }       // readable when it complains; -1 once it is closed
+
+  std::optional<BuildProgress> read_progress();  // the newest, if there is a new one
+  void read_errors();
+  void tell(const std::string& line);  // throws std::system_error when it does not listen
+  std::optional<BuildEnd> end();       // none while it runs
+  void kill();
+  pid_t pid() const { return pid_; }
+
+ private:
+  pid_t pid_ = -1;
+  UniqueFd process_, progress_, errors_, lines_;
+  std::string progress_text_, error_text_;
+  std::optional<BuildEnd> end_;
+};
+
+// Lines "FRACTION STAGE" as ldp build --progress-fd writes them; anything else is ignored.
+std::optional<BuildProgress> parse_progress(const std::string& line);
+
+}  // namespace ldp

@@ -1,0 +1,124 @@
+#include "device/service/sweep_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
+
+#include "device/capture/frame_pixels.h"
+#include "device/capture/log.h"
+#include "drivers/interface/clocks.h"
+
+namespace ldp {
+namespace {
+
+constexpr double kRadians = 0.017453292519943295;
+constexpr double kUsualFov_rad = 1.13;
+constexpr double kSteady = 0.01;  // change of brightness from frame to frame once exposure has settled
+constexpr int kSteadyFrames = 3;
+constexpr double kMaxSettleFactor = 4;  // exposure that never rests is locked all the same
+
+ChooserOptions chooser_options(const Config& config) {
+  ChooserOptions options;
+  options.overlap = config.overlap;
+  options.max_frames = config.max_frames;
+  options.fov_rad = config.fov_degrees > 6 ? config.fov_degrees * kRadians : kUsualFov_rad;
+  return options;
+}
+
+int64_t ns_from(double seconds) { return static_cast<int64_t>(seconds * 1e9); }
+
+}  // namespace
+
+SweepRun::SweepRun(const Config& config, std::unique_ptr<CameraDevice> camera, std::filesystem::path folder,
+                   FrameWriter& writer)
+    : config_(config),
+      camera_(std::move(camera)),
+      folder_(std::move(folder)),
+      writer_(writer),
+      chooser_(chooser_options(config)) {
+  const CameraMode mode = camera_->mode();
+  settle_s_ = mode.settle_s;
+  record_.device = config.device_name;
+  record_.camera = camera_->name();
+  record_.width = mode.width;
+  record_.height = mode.height;
+  record_.pixel_format = name_of(mode.format);
+  record_.arm_length_m = config.arm_length_m;
+  if (config.fov_degrees > 0) record_.fov_rad = config.fov_degrees * kRadians;
+  record_.begin_utc_ns = utc_now_ns();
+  record_.begin_ns = monotonic_now_ns();
+  camera_->start();
+  start_ns_ = last_frame_ns_ = monotonic_now_ns();
+}
+
+void SweepRun::read_frame() {
+  auto frame = camera_->read();
+  if (!frame) return;
+  last_frame_ns_ = monotonic_now_ns();
+  try {
+    take(std::move(*frame));
+  } catch (const std::runtime_error& error) {
+    log_warning(std::string("a frame was skipped: ") + error.what());  // a JPEG damaged on its way
+  }
+}
+
+void SweepRun::take(CameraFrame frame) {
+  OfferedFrame offered{thumbnail(frame), 0, frame.time_ns, frame.exposure_s};
+  if (!settled(frame, mean_brightness(offered.thumbnail))) return;
+  offered.sharpness = sharpness(frame);
+  if (chosen() == 0) {
+    record_.width = frame.width;
+    record_.height = frame.height;
+  }
+  if (frame.width != record_.width || frame.height != record_.height) throw std::runtime_error("its size is another");
+  const Verdict verdict = chooser_.offer(offered);
+  if (verdict.store_held && held_) store(*held_);
+  if (verdict.store_held || verdict.store_this) held_.reset();
+  if (verdict.store_this) store(frame);
+  if (verdict.hold_this) held_ = std::move(frame);
+}
+
+// Lets automatic exposure come to rest, then locks it for the rest of the sweep.
+bool SweepRun::settled(const CameraFrame& frame, double brightness) {
+  if (settled_) return true;
+  if (first_frame_time_ns_ == 0) first_frame_time_ns_ = frame.time_ns;
+  const double seconds = static_cast<double>(frame.time_ns - first_frame_time_ns_) * 1e-9;
+  steady_frames_ = std::abs(brightness - last_brightness_) < kSteady ? steady_frames_ + 1 : 0;
+  last_brightness_ = brightness;
+  const bool rests = seconds >= settle_s_ && (settle_s_ == 0 || steady_frames_ >= kSteadyFrames);
+  settled_ = rests || seconds >= settle_s_ * kMaxSettleFactor;
+  if (settled_) record_.exposure_locked = camera_->lock_exposure(true);
+  return settled_;
+}
+
+void SweepRun::store(const CameraFrame& frame) {
+  char file[32];
+  std::snprintf(file, sizeof file, "frame_%03d.jpg", chosen());
+  record_.frames.push_back({file, frame.time_ns, frame.sequence, frame.exposure_s, frame.gain});
+  writer_.put({folder_, file, jpeg_from(frame), capture_json(record_)});
+}
+
+void SweepRun::end(const std::string& reason, bool complete) {
+  camera_->lock_exposure(false);
+  camera_->stop();
+  if (chooser_.finish() && held_) store(*held_);
+  held_.reset();
+  record_.end_ns = monotonic_now_ns();
+  record_.complete = complete;
+  record_.end_reason = reason;
+  writer_.put({folder_, "", {}, capture_json(record_)});
+}
+
+bool SweepRun::full(int64_t now_ns) const {
+  return chooser_.full() || now_ns - start_ns_ >= ns_from(config_.max_seconds);
+}
+
+bool SweepRun::stalled(int64_t now_ns) const { return now_ns - last_frame_ns_ >= ns_from(config_.lost_after_seconds); }
+
+int64_t SweepRun::deadline_ns() const {
+  return std::min(start_ns_ + ns_from(config_.max_seconds), last_frame_ns_ + ns_from(config_.lost_after_seconds));
+}
+
+}  // namespace ldp

@@ -1,0 +1,176 @@
+#include "device/tool/build_setup.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/captures/transforms.h"
+#include "device/tool/number_within.h"
+#include "device/tool/output.h"
+#include "device/tool/session.h"
+
+namespace ldp {
+namespace {
+
+constexpr int kFewestPhotos = 3;
+
+// Bytes, with a unit where one follows.
+std::string read_memory_size(std::string& text) {
+  const size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
+  const std::string refusal = "'" + text + "' is not a size such as 128M or 1G, nor 0 for full detail";
+  if (digits == 0 || text.find_first_of("-+. \t0123456789", digits) != std::string::npos) return refusal;
+  try {
+    CLI::AsSizeValue(false)(text);
+    return {};
+  } catch (const CLI::ValidationError&) {
+    return refusal;
+  }
+}
+
+// Half-way to the picture's corners the lens must map one direction to one place: what is nonsense there is no lens.
+void check_lenses(const std::vector<Camera>& cameras, const std::string& file) {
+  for (const Camera& camera : cameras) {
+    const Intrinsics& k = camera.intrinsics;
+    for (const double x : {0.25, 0.75})
+      for (const double y : {0.25, 0.75}) {
+        const Eigen::Vector2d at(x * k.width, y * k.height);
+        if (!((project(k, unproject(k, at)) - at).norm() < 1))
+          throw BadInput(file + ": frame " + camera.name +
+                         ": its lens bends the picture beyond measure: check k1, k2, p1 and p2");
+      }
+  }
+}
+
+// The horizontal one of turned photos, of that of the photos as they are stored.
+double turned_fov(double fov_rad, int turn_deg, ImageSize turned) {
+  if (turn_deg % 180 == 0) return fov_rad;
+  return 2 * std::atan(std::tan(fov_rad / 2) * turned.width / turned.height);
+}
+
+}  // namespace
+
+void add_capture_options(CLI::App& command, BuildSetup& setup) {
+  command.add_option("CAPTURE", setup.capture, "Folder of photos, taken in name order")->required();
+  command.add_option("--cameras", setup.cameras, "Known cameras (transforms.json); without it they are estimated");
+  command.add_option("--fov", setup.fov_deg, "Horizontal field of view of the photos, degrees, as a start")
+      ->check(number_within(5.0, 150.0));
+  command.add_option("--arm-length", setup.arm_length, "Length of the arm, metres: sets the scale of estimated poses")
+      ->check(number_within(0.05, 100.0));
+  command.add_option("--megapixels", setup.megapixels, "Larger photos are scaled down to this size")
+      ->check(number_within(0.01, 200.0))
+      ->capture_default_str();
+  command
+      .add_option("--turn", setup.turn_deg,
+                  "Photos of a camera mounted on its side: degrees clockwise that make them upright; --cameras, "
+                  "--fov and the cameras that are written are of the turned photos")
+      ->check(CLI::IsMember({0, 90, 180, 270}))
+      ->capture_default_str();
+  command.add_option("--seed", setup.build.poses.seed, "Of every random choice")->capture_default_str();
+}
+
+void add_build_options(CLI::App& command, BuildSetup& setup) {
+  BuildOptions& build = setup.build;
+  command.add_option("--layers", build.layers, "Layers at most")->check(CLI::Range(1, 8))->capture_default_str();
+  command.add_option("--labels", build.labels, "Depth labels of the graph cut")
+      ->check(CLI::Range(2, 16))
+      ->capture_default_str();
+  command.add_option("--iterations", build.iterations, "Rounds; from the second on with visibility")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
+  command
+      .add_option_function<std::string>(
+          "--rays",
+          [&build](const std::string& name) { build.rays = name == "central" ? Rays::central : Rays::pushbroom; },
+          "Directions of the panorama's rays: outward from the arc, or all from its centre")
+      ->check(CLI::IsMember({"pushbroom", "central"}))
+      ->default_str("pushbroom");
+  command.add_option("--block", build.block_px, "Pixels per side of a block of depth codes; 0 = one range for all")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  command.add_option("--near", build.near_depth, "Nearest depth, in the capture's unit; 0 = from the photos")
+      ->check(number_within(0.0, 1e9));
+  command.add_option("--far", build.far_depth, "Farthest depth; 0 = from the photos")->check(number_within(0.0, 1e9));
+  command.add_option("--quality", setup.colour_quality, "Of colour, 1 to 100, layers behind 20 less; 101 = lossless")
+      ->check(CLI::Range(1, 101))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--memory", build.memory_bytes,
+          "Memory to work in, such as 128M, if need be by a coarser panorama; 0 = full detail, large arrays beyond "
+          "128M in files without names beside the output")
+      ->transform(CLI::Validator(read_memory_size, "SIZE"))
+      ->default_str("0");
+}
+
+FolderFrames open_frames(const BuildSetup& setup) {
+  FolderFramesOptions folder;
+  folder.max_pixels = std::llround(setup.megapixels * 1e6);
+  constexpr std::array kOrientations = {1, 6, 3, 8};
+  folder.orientation = kOrientations[static_cast<size_t>(setup.turn_deg / 90)];
+  return FolderFrames(setup.capture, folder);
+}
+
+PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes, const FolderFrames& frames) {
+  PosesOptions options = setup.build.poses;
+  if (setup.arm_length > 0)
+    options.arm_length = setup.arm_length;
+  else if (notes.arm_length)
+    options.arm_length = *notes.arm_length;
+  if (setup.fov_deg > 0)
+    options.fov_rad = setup.fov_deg * std::numbers::pi / 180;
+  else if (notes.fov_rad)
+    options.fov_rad = turned_fov(*notes.fov_rad, setup.turn_deg, frames.stored_size());
+  return options;
+}
+
+PreparedBuild prepare(const BuildSetup& setup) {
+  if (!setup.cameras.empty()) check_input_file(setup.cameras);
+  PreparedBuild prepared{open_frames(setup), read_capture_notes(setup.capture), setup.build};
+  const int photos = prepared.frames.size();
+  if (photos < kFewestPhotos) {
+    throw Impossible(setup.capture + ": " + (photos == 1 ? "one photo" : std::to_string(photos) + " photos") +
+                     " only: a panorama needs at least " + std::to_string(kFewestPhotos) + " of one sweep");
+  }
+  BuildOptions& options = prepared.options;
+  if (options.near_depth > 0 && options.far_depth > 0 && options.near_depth >= options.far_depth) {
+    throw BadInput("--near " + std::to_string(options.near_depth) + ": is not nearer than --far " +
+                   std::to_string(options.far_depth));
+  }
+  options.poses = poses_options(setup, prepared.notes, prepared.frames);
+  if (!setup.cameras.empty()) {
+    options.cameras = prepared.frames.fit(read_transforms(setup.cameras));
+    check_lenses(options.cameras, setup.cameras);
+    if (options.cameras.size() < 3) {
+      throw BadInput(setup.cameras + ": only " + std::to_string(options.cameras.size()) +
+                     " of its cameras are named like photos of " + setup.capture +
+                     ": check that file_path holds the photos' names");
+    }
+  }
+  return prepared;
+}
+
+nlohmann::ordered_json options_json(const BuildSetup& setup, const BuildOptions& used) {
+  nlohmann::ordered_json json;
+  json["capture"] = setup.capture;
+  json["cameras"] = setup.cameras;
+  json["layers"] = used.layers;
+  json["labels"] = used.labels;
+  json["iterations"] = used.iterations;
+  json["rays"] = used.rays == Rays::pushbroom ? "pushbroom" : "central";
+  json["block_px"] = used.block_px;
+  json["near_depth"] = used.near_depth;
+  json["far_depth"] = used.far_depth;
+  json["memory_bytes"] = used.memory_bytes;
+  json["colour_quality"] = setup.colour_quality;
+  json["megapixels"] = setup.megapixels;
+  json["turn_degrees"] = setup.turn_deg;
+  json["fov_degrees"] =
+      used.poses.fov_rad ? nlohmann::ordered_json(*used.poses.fov_rad * 180 / std::numbers::pi) : nullptr;
+  json["arm_length"] = used.poses.arm_length;
+  json["seed"] = used.poses.seed;
+  json["debug_directory"] = used.debug_directory;
+  return json;
+}
+
+}  // namespace ldp

@@ -1,0 +1,41 @@
+// What `build`, `evaluate` and `poses` share: the options of a build, and the capture they apply to.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/captures/folder_frames.h"
+#include "core/pipeline/build.h"
+
+namespace ldp {
+
+struct BuildSetup {
+  std::string capture, cameras;  // folder; transforms.json or empty
+  double megapixels = 2.1;       // of a frame at most
+  int turn_deg = 0;              // clockwise, that makes photos upright
+  double fov_deg = 0;            // 0 = from the photos
+  double arm_length = 0;         // 0 = from capture.json, else the default
+  int colour_quality = 90;
+  BuildOptions build;
+};
+
+void add_capture_options(CLI::App& command, BuildSetup& setup);  // the folder, and how poses are found
+void add_build_options(CLI::App& command, BuildSetup& setup);    // everything else
+
+struct PreparedBuild {
+  FolderFrames frames;
+  CaptureNotes notes;
+  BuildOptions options;  // complete: notes and given cameras applied
+};
+
+FolderFrames open_frames(const BuildSetup& setup);
+PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes, const FolderFrames& frames);
+
+// Reads what the options name. Throws BadInput or std::runtime_error.
+PreparedBuild prepare(const BuildSetup& setup);
+
+// Every option with its value, for report.json.
+nlohmann::ordered_json options_json(const BuildSetup& setup, const BuildOptions& used);
+
+}  // namespace ldp

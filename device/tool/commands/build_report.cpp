@@ -1,0 +1,112 @@
+#include "device/tool/commands/build_report.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/panorama/file/ldp_file.h"
+
+namespace ldp {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* name_of(Motion motion) {
+  switch (motion) {
+    case Motion::arc:
+      return "arc";
+    case Motion::straight:
+      return "straight";
+    case Motion::rotation:
+      return "rotation";
+  }
+  return "";
+}
+
+double root_mean_square(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value * value;
+  return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+Json arc_json(const ArcFit& fit) {
+  Json json;
+  json["radius"] = fit.arc.radius;
+  json["covered_degrees"] = (fit.arc.theta_end - fit.arc.theta_begin) * 57.29577951308232;
+  json["closed"] = fit.arc.closed;
+  json["straight"] = fit.straight;
+  json["radial_rms"] = root_mean_square(fit.radial_residuals);
+  json["height_rms"] = root_mean_square(fit.height_residuals);
+  return json;
+}
+
+Json solve_json(const SolveEntry& solve) {
+  return {{"name", solve.name},
+          {"data_energy", solve.report.data_energy},
+          {"smoothness_energy", solve.report.smoothness_energy},
+          {"initial_energy", solve.report.initial_energy},
+          {"passes", solve.report.passes},
+          {"peak_bytes", solve.report.peak_bytes}};
+}
+
+}  // namespace
+
+Json poses_json(const PosesReport& poses) {
+  Json json;
+  json["motion"] = name_of(poses.motion);
+  json["closed"] = poses.closed;
+  json["posed"] = std::count_if(poses.frames.begin(), poses.frames.end(), [](const FrameReport& f) { return f.posed; });
+  json["points"] = poses.points;
+  json["reprojection_px"] = poses.reprojection_px;
+  json["doubt"] = poses.doubt;
+  json["frames"] = Json::array();
+  for (const FrameReport& frame : poses.frames) {
+    json["frames"].push_back({{"name", frame.name},
+                              {"posed", frame.posed},
+                              {"features", frame.features},
+                              {"matches", frame.matches},
+                              {"inliers", frame.inliers},
+                              {"reprojection_px", frame.reprojection_px},
+                              {"reason", frame.reason}});
+  }
+  return json;
+}
+
+Json report_json(const BuildReport& report, const LayeredPanorama& panorama) {
+  Json json;
+  double total = 0;
+  for (const auto& [stage, seconds] : report.seconds) {
+    json["seconds"][stage] = seconds;
+    total += seconds;
+  }
+  json["seconds"]["total"] = total;
+  json["panorama"] = {{"width", panorama.grid.width},   {"height", panorama.grid.height},
+                      {"wraps", panorama.grid.wraps},   {"w_far", panorama.grid.w_far},
+                      {"w_near", panorama.grid.w_near}, {"layers", panorama.layers.size()}};
+  json["coverage"] = report.coverage;
+  json["arc"] = arc_json(report.arc);
+  json["solves"] = Json::array();
+  for (const SolveEntry& solve : report.solves) json["solves"].push_back(solve_json(solve));
+  json["poses"] = poses_json(report.poses);
+  json["notes"] = report.notes;
+  return json;
+}
+
+Json sizes_json(std::span<const uint8_t> file) {
+  const LdpDescription description = describe_ldp(file);
+  Json json;
+  json["file"] = description.file_bytes;
+  json["chunks"] = Json::array();
+  for (const LdpChunk& chunk : description.chunks)
+    json["chunks"].push_back({{"type", chunk.type}, {"layer", chunk.layer}, {"bytes", chunk.length}});
+  return json;
+}
+
+int64_t peak_memory_bytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return int64_t{usage.ru_maxrss} * 1024;
+}
+
+}  // namespace ldp

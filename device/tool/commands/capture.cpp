@@ -1,0 +1,112 @@
+// ldp capture: one sweep into a capture folder, by the capture service's own code.
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "device/service/capture_session.h"
+#include "device/tool/commands.h"
+#include "device/tool/number_within.h"
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CaptureCommand {
+  Config config;
+  std::string mode;  // empty: not given
+};
+
+void refuse_used_folder(const std::string& folder) {
+  if (folder.empty()) throw BadInput("no output folder is named: add -o DIR");
+  if (!std::filesystem::exists(folder)) return;
+  if (!std::filesystem::is_directory(folder)) throw BadInput(folder + ": is a file: name a new folder");
+  if (!std::filesystem::is_empty(folder)) throw BadInput(folder + ": is not empty: name a new folder");
+}
+
+// The output folder of a capture that may come to nothing: where no frame was kept, it and the folders made for it go
+// again. The folder must be new or empty.
+class NewFolder {
+ public:
+  explicit NewFolder(const std::string& folder) {
+    for (fs::path missing = fs::absolute(folder); !fs::exists(missing); missing = missing.parent_path()) {
+      made_.push_back(missing);
+    }
+    folder_ = folder;
+  }
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+  ~NewFolder() {
+    std::error_code error;
+    for (fs::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
+      if (entry->path().extension() == ".jpg") return;
+    }
+    fs::remove(folder_ / "capture.json", error);
+    for (const fs::path& made : made_) fs::remove(made, error);  // innermost first; none that holds anything else
+  }
+
+ private:
+  fs::path folder_;
+  std::vector<fs::path> made_;
+};
+
+int run_capture(CaptureCommand command, const Session& session) {
+  Config& config = command.config;
+  refuse_used_folder(config.output);
+  if (!command.mode.empty()) config.mode = command.mode == "hold" ? ButtonMode::hold : ButtonMode::toggle;
+  for (const ConfigMistake& mistake : wrong_values(config)) throw BadInput("--" + mistake.text);
+  const NewFolder folder(config.output);
+  try {
+    CaptureSession capture(config, Run::capture_only, session.stop);
+    const int status = capture.run();
+    if (session.stop.stop_requested()) return kInterrupted;
+    if (status != kDone) throw Impossible(capture.last_failure());
+    if (session.json) {
+      const nlohmann::ordered_json json{{"capture", config.output}, {"frames", capture.frames_stored()}};
+      std::printf("%s\n", json.dump().c_str());
+    }
+    return kDone;
+  } catch (const UnusableDevice& error) {
+    throw BadInput(error.what());
+  }
+}
+
+}  // namespace
+
+void add_capture(Program& program) {
+  auto command = std::make_shared<CaptureCommand>();
+  Config& config = command->config;
+  config.output.clear();
+  config.camera = "libcamera:0";
+  config.button = "keyboard:";
+  CLI::App& app = add_command(program, "capture", "One sweep of a camera into a capture folder",
+                              [command](const Session& session) { return run_capture(*command, session); });
+  app.add_option("--camera", config.camera, "libcamera:0, v4l2:/dev/video0, folder:DIR?fps=30, scene:NAME?fps=30")
+      ->capture_default_str();
+  app.add_option("--button", config.button, "gpiod:name=LINE, gpiod:gpiochip0/17, script:FILE, keyboard:")
+      ->capture_default_str();
+  app.add_option("--status", config.status,
+                 "lcm:udpm://239.255.76.67:7667?ttl=0, led:name=LINE, console:; several allowed");
+  app.add_option("-o,--output", config.output, "Folder to make");
+  app.add_option("--mode", command->mode,
+                 "hold: while the button is held; toggle: press to begin, press to end; by default what the button can")
+      ->check(CLI::IsMember({"hold", "toggle"}));
+  app.add_option("--overlap", config.overlap, "Of neighbouring frames")
+      ->check(number_within(0.3, 0.95))
+      ->capture_default_str();
+  app.add_option("--max-frames", config.max_frames, "The sweep ends after so many")
+      ->check(CLI::Range(3, 1000))
+      ->capture_default_str();
+  app.add_option("--max-seconds", config.max_seconds, "The sweep ends after so long")
+      ->check(number_within(1.0, 3600.0))
+      ->capture_default_str();
+  app.add_option("--fov", config.fov_degrees, "Horizontal field of view, degrees; 0 = unknown")
+      ->check(number_within(0.0, 170.0))
+      ->capture_default_str();
+}
+
+}  // namespace ldp

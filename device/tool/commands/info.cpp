@@ -1,0 +1,176 @@
+// ldp info: everything that is in an .ldp file.
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/panorama/file/ldp_file.h"
+#include "core/photos/images.h"
+#include "device/tool/commands.h"
+#include "device/tool/output.h"
+
+namespace ldp {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDegreesPerRadian = 57.29577951308232;
+
+Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json depth_json(double inverse_depth) { return inverse_depth > 0 ? Json(1 / inverse_depth) : Json("infinity"); }
+
+Json grid_json(const PanoramaGrid& grid) {
+  Json json;
+  json["width"] = grid.width;
+  json["height"] = grid.height;
+  json["rays"] = grid.rays == Rays::pushbroom ? "pushbroom" : "central";
+  json["wraps"] = grid.wraps;
+  json["covered_degrees"] = grid.width * grid.theta_pitch * kDegreesPerRadian;
+  json["theta_left"] = grid.theta_left;
+  json["theta_pitch"] = grid.theta_pitch;
+  json["v_top"] = grid.v_top;
+  json["v_pitch"] = grid.v_pitch;
+  json["nearest_depth"] = depth_json(grid.w_near);
+  json["farthest_depth"] = depth_json(grid.w_far);
+  return json;
+}
+
+Json arc_json(const Arc& arc) {
+  Json json;
+  json["centre"] = vector_json(arc.centre);
+  json["axis"] = vector_json(arc.axis());
+  json["radius"] = arc.radius;
+  json["covered_degrees"] = (arc.theta_end - arc.theta_begin) * kDegreesPerRadian;
+  json["closed"] = arc.closed;
+  return json;
+}
+
+Json layers_json(const LdpDescription& description) {
+  Json layers = Json::array();
+  const PanoramaGrid& grid = description.panorama.grid;
+  const double pixels = static_cast<double>(grid.width) * grid.height;
+  for (const LdpLayerSummary& layer : description.layers) {
+    layers.push_back({{"coverage", static_cast<double>(layer.present_pixels) / pixels},
+                      {"present_pixels", layer.present_pixels},
+                      {"block_px", layer.block_px},
+                      {"strip_px", layer.strip_px},
+                      {"alpha", layer.has_alpha}});
+  }
+  return layers;
+}
+
+Json cameras_json(const std::vector<Camera>& cameras) {
+  Json json = Json::array();
+  for (const Camera& camera : cameras) {
+    json.push_back({{"name", camera.name},
+                    {"width", camera.intrinsics.width},
+                    {"height", camera.intrinsics.height},
+                    {"focal_px", camera.intrinsics.fx},
+                    {"centre", vector_json(camera.pose.centre)}});
+  }
+  return json;
+}
+
+Json info_json(const LdpDescription& description) {
+  const LayeredPanorama& panorama = description.panorama;
+  Json json;
+  json["version"] = description.version;
+  json["bytes"] = description.file_bytes;
+  json["grid"] = grid_json(panorama.grid);
+  json["arc"] = arc_json(panorama.grid.arc);
+  json["limits"] = {{"inner_radius", panorama.limits.inner_radius},
+                    {"outer_radius", panorama.limits.outer_radius},
+                    {"height", panorama.limits.height}};
+  json["layers"] = layers_json(description);
+  json["cameras"] = cameras_json(panorama.cameras);
+  json["quality"] = panorama.quality;
+  json["metadata"] = panorama.metadata;
+  json["thumbnail_bytes"] = description.thumbnail.size();
+  json["chunks"] = Json::array();
+  for (const LdpChunk& chunk : description.chunks) {
+    json["chunks"].push_back({{"type", chunk.type},
+                              {"layer", chunk.layer},
+                              {"strip", chunk.strip},
+                              {"offset", chunk.offset},
+                              {"bytes", chunk.length},
+                              {"crc32c", chunk.crc32c}});
+  }
+  return json;
+}
+
+// Sums over strips: what matters to people is how much each kind takes.
+void print_sizes(const LdpDescription& description) {
+  std::map<std::pair<int, std::string>, uint64_t> sizes;
+  for (const LdpChunk& chunk : description.chunks) sizes[{chunk.layer, chunk.type}] += chunk.length;
+  for (const auto& [key, bytes] : sizes) {
+    const std::string where = key.first < 0 ? "file" : "layer " + std::to_string(key.first + 1);
+    std::printf("  %-8s %s %10llu bytes  %5.1f %%\n", where.c_str(), key.second.c_str(),
+                static_cast<unsigned long long>(bytes),
+                100.0 * static_cast<double>(bytes) / static_cast<double>(description.file_bytes));
+  }
+}
+
+std::string depth_text(double inverse_depth) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", inverse_depth > 0 ? 1 / inverse_depth : 0.0);
+  return inverse_depth > 0 ? text : "infinity";
+}
+
+void print_text(const std::string& file, const LdpDescription& description) {
+  const LayeredPanorama& panorama = description.panorama;
+  const PanoramaGrid& grid = panorama.grid;
+  std::printf("%s: layered depth panorama, version %d, %llu bytes\n", file.c_str(), description.version,
+              static_cast<unsigned long long>(description.file_bytes));
+  std::printf("picture   %dx%d, %s rays, %.1f degrees%s\n", grid.width, grid.height,
+              grid.rays == Rays::pushbroom ? "pushbroom" : "central", grid.width * grid.theta_pitch * kDegreesPerRadian,
+              grid.wraps ? ", closed" : "");
+  std::printf("depths    %s to %s\n", depth_text(grid.w_near).c_str(), depth_text(grid.w_far).c_str());
+  std::printf("arc       radius %.4g, %.1f degrees, %zu cameras\n", grid.arc.radius,
+              (grid.arc.theta_end - grid.arc.theta_begin) * kDegreesPerRadian, panorama.cameras.size());
+  std::printf("views     from %.3g to %.3g of the axis, %.3g up and down\n", panorama.limits.inner_radius,
+              panorama.limits.outer_radius, panorama.limits.height);
+  for (size_t i = 0; i < description.layers.size(); ++i) {
+    const double share =
+        static_cast<double>(description.layers[i].present_pixels) / (static_cast<double>(grid.width) * grid.height);
+    std::printf("layer %zu   %.1f %% covered%s\n", i + 1, 100 * share,
+                description.layers[i].has_alpha ? ", soft edges" : "");
+  }
+  for (const auto& [name, value] : panorama.quality) std::printf("quality   %s %.4g\n", name.c_str(), value);
+  for (const auto& [name, value] : panorama.metadata) std::printf("metadata  %s: %s\n", name.c_str(), value.c_str());
+  std::printf("sizes\n");
+  print_sizes(description);
+}
+
+int run(const std::string& file, const Session& session) {
+  check_input_file(file);
+  Job job;
+  job.threads = session.thread_count();
+  job.stop = session.stop;
+  try {
+    const MappedFile mapped(file);
+    const std::vector<std::string> damages = verify_ldp(mapped.bytes(), job);
+    if (!damages.empty()) throw LdpError(damages.front());
+    const LdpDescription description = describe_ldp(mapped.bytes());
+    if (session.json)
+      std::printf("%s\n", info_json(description).dump(1, ' ', false, Json::error_handler_t::replace).c_str());
+    else
+      print_text(file, description);
+  } catch (const LdpError& error) {
+    throw BadInput(file + ": " + error.what() + ": copy the file again, or see ldp verify");
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_info(Program& program) {
+  auto file = std::make_shared<std::string>();
+  CLI::App& app = add_command(program, "info", "Print everything that is in an .ldp file",
+                              [file](const Session& session) { return run(*file, session); });
+  app.add_option("FILE", *file, "The .ldp file")->required();
+}
+
+}  // namespace ldp

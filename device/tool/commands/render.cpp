@@ -1,0 +1,213 @@
+// ldp render: views of an .ldp file.
+
+#include "core/view/render.h"
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <set>
+
+#include "core/captures/transforms.h"
+#include "core/photos/images.h"
+#include "core/view/camera_path.h"
+#include "device/tool/commands.h"
+#include "device/tool/commands/film.h"
+#include "device/tool/number_within.h"
+#include "device/tool/output.h"
+#include "device/tool/own_output.h"
+#include "device/tool/panorama_input.h"
+#include "device/tool/progress_bar.h"
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RenderCommand {
+  std::string panorama, cameras, path, output, size;
+  int frames = 90;
+  double fov_deg = 0;
+  RenderOptions options;
+};
+
+std::vector<Camera> cameras_of(const RenderCommand& command, const LayeredPanorama& panorama) {
+  if (!command.cameras.empty()) return read_transforms(command.cameras);
+  CameraPathOptions path;
+  path.kind = camera_path_from_name(command.path);
+  path.frames = command.frames;
+  path.view_rad = command.fov_deg * std::numbers::pi / 180;
+  if (!command.size.empty()) parse_size(command.size, path.width, path.height);
+  return camera_path(panorama, path);
+}
+
+void check_stems(const std::vector<Camera>& cameras, const std::string& file) {
+  std::set<std::string> stems;
+  for (const Camera& camera : cameras) {
+    const std::string stem = fs::path(camera.name).stem().string();
+    if (stem.empty()) throw BadInput(file + ": a frame has no file_path: name every frame, its view is named after it");
+    if (!stems.insert(stem).second)
+      throw BadInput(file + ": two frames are called " + stem + ": their views would overwrite each other");
+  }
+}
+
+bool is_a_view(const fs::path& png) { return fs::is_regular_file(png) && png_software(read_file(png)) == kRendered; }
+
+// Depths tell nothing of their origin: they are of this program where the view beside them is.
+void keep_photos(const RenderCommand& command, const std::vector<Camera>& cameras) {
+  for (const Camera& camera : cameras) {
+    const fs::path stem = fs::path(command.output) / fs::path(camera.name).stem();
+    fs::path view = stem, depth = stem;
+    view += ".png", depth += ".pfm";
+    for (const fs::path& file : {view, depth}) {
+      if (file == depth && !command.options.depth) continue;
+      if (fs::exists(file) && !is_a_view(view))
+        throw BadInput(file.string() + ": is there already and is no view: name another folder");
+    }
+  }
+}
+
+constexpr double kBlind = 0.01;  // share of a view that shows something, below which its camera sees nothing
+
+struct Totals {
+  double holes = 0, invented = 0;
+  int views = 0, blind = 0;
+};
+
+void add(const View& view, Totals& totals) {
+  size_t holes = 0;
+  for (const uint8_t alpha : view.alpha.samples) holes += alpha < 128 ? 1 : 0;
+  const double share = static_cast<double>(holes) / static_cast<double>(view.alpha.samples.size());
+  totals.holes += share;
+  totals.invented += view.invented_share;
+  totals.blind += 1 - share - view.invented_share < kBlind ? 1 : 0;
+  ++totals.views;
+}
+
+// A path's views are numbered: those that a longer one left would pass for the end of this one.
+void refuse_longer_path(const RenderCommand& command) {
+  const fs::path next = fs::path(command.output) / path_view_name(command.frames);
+  for (const char* ending : {".png", ".pfm"}) {
+    fs::path left = next;
+    left += ending;
+    if (fs::exists(left))
+      throw BadInput(left.string() + ": is left from a longer path: remove the views there, or name another folder");
+  }
+}
+
+Totals render_pictures(const RenderCommand& command, const Renderer& renderer, const std::vector<Camera>& cameras,
+                       const Job& job) {
+  OutputFolder folder(command.output, OutputFolder::Existing::merge);
+  Totals totals;
+  for (const Camera& camera : cameras) {
+    job.report("rendering", totals.views / static_cast<double>(cameras.size()));
+    const View view = renderer.render(camera, command.options, job);
+    const std::string stem = fs::path(camera.name).stem().string();
+    folder.fill([&] {
+      write_file(folder.path() / (stem + ".png"), encode_png(view.colour, view.alpha, kRendered));
+      if (command.options.depth) write_file(folder.path() / (stem + ".pfm"), encode_pfm(view.depth));
+    });
+    add(view, totals);
+  }
+  job.check();
+  folder.keep();
+  return totals;
+}
+
+Totals render_film(const RenderCommand& command, const Renderer& renderer, const std::vector<Camera>& cameras,
+                   const Job& job) {
+  Film film(command.output, cameras.front().intrinsics.width, cameras.front().intrinsics.height);
+  Totals totals;
+  for (const Camera& camera : cameras) {
+    job.report("rendering", totals.views / static_cast<double>(cameras.size()));
+    const View view = renderer.render(camera, command.options, job);
+    film.add(view.colour);
+    add(view, totals);
+  }
+  job.check();
+  film.keep();
+  return totals;
+}
+
+void check(const RenderCommand& command) {
+  if (command.cameras.empty() == command.path.empty())
+    throw BadInput("give either --cameras FILE or --path sway|walk|dolly");
+  check_input_file(command.panorama);
+  if (!command.cameras.empty()) check_input_file(command.cameras);
+  if (names_a_film(command.output)) {
+    if (command.options.depth) throw BadInput("--depth: a film has no depth: give a folder to -o");
+    return check_output_file(command.output, OutputKind::film);
+  }
+  OutputFolder(command.output, OutputFolder::Existing::merge);  // refused before the file is read
+  if (!command.path.empty()) refuse_longer_path(command);
+}
+
+void print_summary(const RenderCommand& command, const Totals& totals, bool json) {
+  const double holes = 100 * totals.holes / totals.views, invented = 100 * totals.invented / totals.views;
+  if (json) {
+    std::printf("{\"views\": %d, \"holes_percent\": %.4f, \"invented_percent\": %.4f}\n", totals.views, holes,
+                invented);
+  } else {
+    std::printf("%s: %d views, %.2f %% holes", command.output.c_str(), totals.views, holes);
+    std::printf(command.options.fill == Fill::background ? ", %.2f %% filled\n" : "\n", invented);
+  }
+  if (totals.blind > 0) {
+    std::fprintf(
+        stderr,
+        "ldp render: %d of %d cameras see nothing of the panorama: give cameras in the coordinates of those that "
+        "'ldp export %s -o cameras.json' writes\n",
+        totals.blind, totals.views, command.panorama.c_str());
+  }
+}
+
+int run(const RenderCommand& command, const Session& session) {
+  check(command);
+  std::optional<ProgressBar> bar(session.progress_fd);
+  const Job job = start_job(session, *bar);
+  const LayeredPanorama panorama = read_panorama(command.panorama, job);
+  const std::vector<Camera> cameras = cameras_of(command, panorama);
+  if (cameras.empty()) throw BadInput(command.cameras + ": has no frames: add the cameras to render");
+  check_stems(cameras, command.cameras);
+  if (!names_a_film(command.output)) keep_photos(command, cameras);
+  const Renderer renderer(panorama);
+  const Totals totals = names_a_film(command.output) ? render_film(command, renderer, cameras, job)
+                                                     : render_pictures(command, renderer, cameras, job);
+  bar.reset();
+  print_summary(command, totals, session.json);
+  return kDone;
+}
+
+}  // namespace
+
+void add_render(Program& program) {
+  auto command = std::make_shared<RenderCommand>();
+  CLI::App& app = add_command(program, "render", "Render views with parallax from an .ldp file",
+                              [command](const Session& session) { return run(*command, session); });
+  app.add_option("FILE", command->panorama, "The .ldp file")->required();
+  app.add_option("-o,--output", command->output, "Folder for the views, or a film (.mp4, .webm, .gif; needs ffmpeg)")
+      ->required();
+  app.add_option("--cameras", command->cameras, "The views to render (transforms.json)");
+  app.add_option("--path", command->path, "Move through the panorama instead: sway, walk or dolly")
+      ->check(CLI::IsMember({"sway", "walk", "dolly"}));
+  app.add_option("--frames", command->frames, "Views along the path")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str()
+      ->excludes("--cameras");
+  app.add_option("--size", command->size, "Size of views along the path, WIDTHxHEIGHT")->excludes("--cameras");
+  app.add_option("--fov", command->fov_deg, "Horizontal field of view along the path, degrees; 0 = that of the photos")
+      ->check(number_within(0.0, 150.0))
+      ->excludes("--cameras");
+  app.add_flag("--depth", command->options.depth, "Also write z-depth, as .pfm");
+  app.add_option("--layers", command->options.layers, "Draw at most so many layers")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
+  app.add_option_function<std::string>(
+         "--fill",
+         [command](const std::string& name) { command->options.fill = name == "none" ? Fill::none : Fill::background; },
+         "Holes: none leaves them transparent, background continues what lies behind")
+      ->check(CLI::IsMember({"none", "background"}))
+      ->default_str("none");
+}
+
+}  // namespace ldp

@@ -1,0 +1,95 @@
+// ldp scene: a synthetic capture with truth.
+
+#include <cstdio>
+#include <memory>
+#include <numbers>
+#include <string>
+
+#include "device/tool/commands.h"
+#include "device/tool/number_within.h"
+#include "device/tool/output.h"
+#include "device/tool/progress_bar.h"
+#include "sim/scene/scenes.h"
+#include "sim/scene_capture.h"
+
+namespace ldp {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+struct SceneCommand {
+  SceneCaptureOptions scene;
+  std::string output, size = "800x600";
+  double arc_deg = 180, fov_deg = 58, jitter_deg = 1.2;
+  bool no_novel = false, list = false;
+};
+
+int run(SceneCommand command, const Session& session) {
+  if (command.list) {
+    for (const std::string& name : scene_names()) std::printf("%s\n", name.c_str());
+    return kDone;
+  }
+  if (command.scene.scene.empty()) throw BadInput("no scene is named: give one of those that --list shows");
+  if (command.output.empty()) throw BadInput("no output folder is named: add -o DIR");
+  parse_size(command.size, command.scene.path.width, command.scene.path.height);
+  command.scene.path.arc_rad = command.arc_deg * kDegree;
+  command.scene.path.fov_rad = command.fov_deg * kDegree;
+  command.scene.path.angle_jitter_rad = command.jitter_deg * kDegree;
+  command.scene.path.seed = command.scene.seed;
+  command.scene.novel_views = !command.no_novel;
+  make_scene(command.scene.scene, command.scene.seed);  // an unknown name is refused before anything is written
+  OutputFolder folder(command.output, OutputFolder::Existing::refuse);
+  ProgressBar bar(session.progress_fd);
+  folder.fill([&] { write_scene_capture(command.scene, folder.path(), start_job(session, bar)); });
+  folder.keep();
+  return kDone;
+}
+
+}  // namespace
+
+void add_scene(Program& program) {
+  auto command = std::make_shared<SceneCommand>();
+  command->scene.scene.clear();
+  CLI::App& app = add_command(program, "scene", "Render a synthetic capture with true cameras, depths and novel views",
+                              [command](const Session& session) { return run(*command, session); });
+  SweepPath& path = command->scene.path;
+  app.add_option("NAME", command->scene.scene, "Which scene");
+  app.add_option("-o,--output", command->output, "Folder to make");
+  app.add_flag("--list", command->list, "Print the names of the scenes");
+  app.add_option("--frames", path.frames, "Photos in the sweep")->check(CLI::Range(1, 1000))->capture_default_str();
+  app.add_option("--arc", command->arc_deg, "Angle of the sweep, degrees")
+      ->check(number_within(0.0, 360.0))
+      ->capture_default_str();
+  app.add_option("--radius", path.radius, "Length of the arm, metres")
+      ->check(number_within(0.0, 1.2))
+      ->capture_default_str();
+  app.add_option("--fov", command->fov_deg, "Horizontal field of view, degrees")
+      ->check(number_within(5.0, 150.0))
+      ->capture_default_str();
+  app.add_option("--size", command->size, "Size of the photos, WIDTHxHEIGHT")->capture_default_str();
+  app.add_option("--k1", path.k1, "Radial distortion of the lens")
+      ->check(number_within(-0.3, 0.3))
+      ->capture_default_str();
+  app.add_option("--jitter-position", path.position_jitter, "Unsteadiness of the hand, metres")
+      ->check(number_within(0.0, 0.2))
+      ->capture_default_str();
+  app.add_option("--jitter-angle", command->jitter_deg, "Unsteadiness of the hand, degrees")
+      ->check(number_within(0.0, 20.0))
+      ->capture_default_str();
+  app.add_option("--exposure-drift", command->scene.exposure_drift, "Largest relative change of exposure")
+      ->check(number_within(0.0, 0.9))
+      ->capture_default_str();
+  app.add_option("--noise", command->scene.noise, "Sensor noise, deviation in levels of 255")
+      ->check(number_within(0.0, 50.0))
+      ->capture_default_str();
+  app.add_option("--blur", command->scene.blur_px, "Longest motion blur, pixels")
+      ->check(number_within(0.0, 100.0))
+      ->capture_default_str();
+  app.add_option("--moving", command->scene.moving_share, "Share of figures and leaves that move")
+      ->check(number_within(0.0, 1.0))
+      ->capture_default_str();
+  app.add_option("--seed", command->scene.seed, "Of the scene, the hand and the noise")->capture_default_str();
+  app.add_flag("--no-novel", command->no_novel, "Leave the novel views out");
+}
+
+}  // namespace ldp

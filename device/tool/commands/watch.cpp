@@ -1,0 +1,140 @@
+// ldp watch: what a device tells over LCM, or a recorded log of it.
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "device/backends/open.h"
+#include "device/tool/commands.h"
+#include "drivers/interface/clocks.h"
+#include "drivers/interface/status.h"
+#include "drivers/interface/unique_fd.h"
+
+namespace ldp {
+namespace {
+
+constexpr const char* kLcm = "lcm:udpm://239.255.76.67:7667?ttl=0";
+
+struct WatchCommand {
+  std::string url = kLcm, send;
+  int count = 0;
+};
+
+using Json = nlohmann::ordered_json;
+
+Json json_from(const Status& status) {
+  return {{"type", "status"},    {"phase", name_of(status.phase)},        {"capture", status.capture},
+          {"text", status.text}, {"frames_stored", status.frames_stored}, {"sweeps_left", status.sweeps_left}};
+}
+Json json_from(const Progress& progress) {
+  return {
+      {"type", "progress"}, {"capture", progress.capture}, {"stage", progress.stage}, {"fraction", progress.fraction}};
+}
+Json json_from(const Guidance& guidance) {
+  return {{"type", "guidance"},
+          {"advice", name_of(guidance.advice)},
+          {"covered_rad", guidance.covered_rad},
+          {"speed_rad_s", guidance.speed_rad_s},
+          {"tilt_px", guidance.tilt_px},
+          {"brightness", guidance.brightness},
+          {"frames_chosen", guidance.frames_chosen}};
+}
+Json json_from(const Result& result) {
+  return {{"type", "result"},    {"ok", result.ok},     {"capture", result.capture},
+          {"file", result.file}, {"text", result.text}, {"seconds", result.seconds}};
+}
+
+std::string line_from(const Status& status) {
+  return "status    " + std::string(name_of(status.phase)) + ": " + status.text + " (" +
+         std::to_string(status.frames_stored) + " frames stored, " + std::to_string(status.sweeps_left) +
+         " sweeps left)";
+}
+std::string line_from(const Progress& progress) {
+  return "progress  " + progress.capture + " " + std::to_string(static_cast<int>(progress.fraction * 100)) + " % " +
+         progress.stage;
+}
+std::string line_from(const Guidance& guidance) {
+  char figures[128];
+  std::snprintf(figures, sizeof figures, "%.0f degrees, %.0f degrees/s, %d frames", guidance.covered_rad * 57.29578,
+                guidance.speed_rad_s * 57.29578, guidance.frames_chosen);
+  return "guidance  " + std::string(name_of(guidance.advice)) + ": " + figures;
+}
+std::string line_from(const Result& result) {
+  return "result    " + std::string(result.ok ? result.file : result.capture + " failed") + ": " + result.text;
+}
+
+void print(const HeardMessage& heard, bool as_json) {
+  char utc[32];
+  utc_text(heard.utc_ns, utc);
+  if (as_json) {
+    Json json = std::visit([](const auto& message) { return json_from(message); }, heard.message);
+    json["utc"] = utc;
+    json["monotonic_ns"] = heard.monotonic_ns;
+    std::printf("%s\n", json.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
+  } else {
+    const std::string line = std::visit([](const auto& message) { return line_from(message); }, heard.message);
+    std::string clean = line;  // a stranger's datagram must not write escape sequences onto the terminal
+    for (char& c : clean) c = static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
+    std::printf("%s  %s\n", utc, clean.c_str());
+  }
+  std::fflush(stdout);
+}
+
+Command command_from(const std::string& word) {
+  for (const Command command : {Command::press, Command::release, Command::cancel, Command::retry}) {
+    if (word == name_of(command)) return command;
+  }
+  throw BadInput("--send " + word + ": is not press, release, cancel or retry");
+}
+
+// Sleeps until something comes in or the program is to end; false at the end.
+bool wait_for(int fd, int end_fd) {
+  pollfd entries[] = {{fd, POLLIN, 0}, {end_fd, POLLIN, 0}};
+  ::poll(entries, 2, -1);
+  return entries[1].revents == 0;
+}
+
+int run_watch(const WatchCommand& command, const Session& session) {
+  const auto listener = open_status_listener(command.url);
+  if (!command.send.empty()) {
+    listener->send(command_from(command.send));
+    return kDone;
+  }
+  const UniqueFd end(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
+  const std::stop_callback on_stop(session.stop, [&end] {
+    const uint64_t one = 1;
+    [[maybe_unused]] const ssize_t put = ::write(end.get(), &one, sizeof one);
+  });
+  int printed = 0;
+  bool going = true;
+  while (going) {
+    while (const auto heard = listener->read()) {
+      print(*heard, session.json);
+      if (++printed == command.count) return kDone;
+    }
+    going = !listener->ended() && wait_for(listener->fd(), end.get());
+  }
+  if (listener->ignored() > 0) {
+    std::fprintf(stderr, "ldp watch: %lld malformed messages were ignored\n",
+                 static_cast<long long>(listener->ignored()));
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_watch(Program& program) {
+  auto command = std::make_shared<WatchCommand>();
+  CLI::App& app = add_command(program, "watch", "Show what a device tells over LCM, or send it a command",
+                              [command](const Session& session) { return run_watch(*command, session); });
+  app.add_option("--status", command->url, "LCM address, or a log as lcm:file://LOG?speed=0")->capture_default_str();
+  app.add_option("--send", command->send, "press, release, cancel or retry");
+  app.add_option("--count", command->count, "End after so many messages; 0 = never")->check(CLI::Range(0, 1000000000));
+}
+
+}  // namespace ldp

@@ -1,0 +1,92 @@
+#include "device/tool/interrupt.h"
+
+#include <unistd.h>
+#include <csignal>
+#include <ctime>
+
+#include <algorithm>
+#include <mutex>
+#include <vector>
+
+#include "device/tool/session.h"
+
+namespace ldp {
+namespace {
+
+// What has to go when the program is cut off. The one piece of state that must be reachable from everywhere.
+struct Registry {
+  std::recursive_mutex mutex;  // a finishing thread may still register and forget
+  std::vector<std::filesystem::path> paths;
+};
+
+Registry& registry() {
+  static auto* const alive_for_ever = new Registry;  // still there when static objects are destroyed
+  return *alive_for_ever;
+}
+
+sigset_t ending_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set, signal);
+  return set;
+}
+
+timespec timespec_of(std::chrono::milliseconds time) {
+  return {static_cast<time_t>(time.count() / 1000), static_cast<long>(time.count() % 1000) * 1'000'000};
+}
+
+}  // namespace
+
+void cut_off(int status, const std::string& line) {
+  // The lock is kept: nobody may register or write anything from here on.
+  Registry& all = registry();
+  all.mutex.lock();
+  for (const auto& path : all.paths) {
+    std::error_code ignored;
+    // A worker may still be writing into the folder: once more takes what came in between.
+    for (int attempt = 0; attempt < 3; ++attempt) std::filesystem::remove_all(path, ignored);
+  }
+  std::string last = ::isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "";  // over a progress bar
+  last += line;
+  if (!last.empty() && ::write(STDERR_FILENO, last.data(), last.size()) < 0) ::_exit(status);
+  ::_exit(status);
+}
+
+Interrupt::Interrupt() {
+  const sigset_t set = ending_signals();
+  ::pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  waiter_ = std::jthread([this](const std::stop_token& over) { wait(over); });
+}
+
+Interrupt::~Interrupt() {
+  waiter_.request_stop();
+  ::pthread_kill(waiter_.native_handle(), SIGTERM);
+}
+
+void Interrupt::wait(const std::stop_token& over) {
+  const sigset_t set = ending_signals();
+  int signal = 0;
+  ::sigwait(&set, &signal);
+  if (over.stop_requested()) return;
+  stop_.request_stop();
+  const timespec patience = timespec_of(kPatience);
+  ::sigtimedwait(&set, nullptr, &patience);  // a second Ctrl-C is the end of patience; the destructor's, of everything
+  if (!over.stop_requested()) cut_off(kInterrupted, {});
+}
+
+Finishing::Finishing() { registry().mutex.lock(); }
+Finishing::~Finishing() { registry().mutex.unlock(); }
+
+Temporary::Temporary(std::filesystem::path path) : path_(std::move(path)) {
+  Registry& all = registry();
+  const std::lock_guard lock(all.mutex);
+  all.paths.push_back(path_);
+}
+
+Temporary::~Temporary() {
+  Registry& all = registry();
+  const std::lock_guard lock(all.mutex);
+  all.paths.erase(std::find(all.paths.begin(), all.paths.end(), path_));
+}
+
+}  // namespace ldp

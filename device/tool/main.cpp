@@ -1,0 +1,133 @@
+// ldp: sweeps, panoramas and views from the command line.
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <system_error>
+
+#include "device/tool/commands.h"
+#include "device/tool/interrupt.h"
+#include "device/tool/out_of_memory.h"
+
+namespace ldp {
+namespace {
+
+// None of that name: nullptr.
+const CLI::App* command_of(const CLI::App& app, const std::string& name) {
+  const auto named = app.get_subcommands([&](const CLI::App* command) { return command->get_name() == name; });
+  return named.empty() ? nullptr : named.front();
+}
+
+std::string line_from(const Program& program, const std::string& message) {
+  std::string line = (program.command.empty() ? "ldp" : "ldp " + program.command) + ": " + message;
+  for (char& c : line) c = c == '\n' ? ' ' : c;
+  return line;
+}
+
+int complain(const Program& program, const std::string& message, int status) {
+  std::fprintf(stderr, "%s\n", line_from(program, message).c_str());
+  return status;
+}
+
+// By what the command can be told.
+std::string out_of_memory(const Program& program) {
+  const CLI::App* const command = command_of(program.app, program.command);
+  const auto takes = [&](const char* option) {
+    return command != nullptr && command->get_option_no_throw(option) != nullptr;
+  };
+  std::string remedy = takes("--size") ? "make smaller pictures (--size)" : "free some";
+  if (takes("--megapixels")) remedy = "use fewer photos, or smaller ones (--megapixels)";
+  if (takes("--memory")) remedy += ", or a coarser panorama (--memory)";
+  return "not enough memory: " + remedy;
+}
+
+int parse(Program& program, int argc, char** argv) {
+  const std::string first = argc > 1 ? argv[1] : "-";
+  if (!first.starts_with('-') && command_of(program.app, first) == nullptr)
+    return complain(program, "there is no command '" + first + "': see ldp --help", kBadInput);
+  try {
+    program.app.parse(argc, argv);
+  } catch (const CLI::Success& request) {  // help or version
+    return program.app.exit(request);
+  } catch (const CLI::ParseError& error) {
+    if (command_of(program.app, first) != nullptr) program.command = first;
+    const std::string help = program.command.empty() ? "ldp --help" : "ldp " + program.command + " --help";
+    return complain(program, std::string(error.what()) + ": see " + help, kBadInput);
+  }
+  return kDone;
+}
+
+// One line, one status: see session.h. What a file holds that cannot be read comes as runtime_error.
+int run(const Program& program) {
+  say_when_memory_ends(line_from(program, out_of_memory(program)));
+  try {
+    return program.chosen();
+  } catch (const Cancelled&) {
+    return kInterrupted;
+  } catch (const BadInput& error) {
+    return complain(program, error.what(), kBadInput);
+  } catch (const Impossible& error) {
+    return complain(program, error.what(), kCannotBeDone);
+  } catch (const std::bad_alloc&) {
+    return complain(program, out_of_memory(program), kCannotBeDone);
+  } catch (const std::system_error& error) {
+    const bool no_stack = error.code() == std::errc::resource_unavailable_try_again;  // for one more thread
+    return complain(program, no_stack ? out_of_memory(program) + ", or fewer --threads" : error.what(), kCannotBeDone);
+  } catch (const std::invalid_argument& error) {
+    return complain(program, error.what(), kBadInput);
+  } catch (const std::runtime_error& error) {
+    return complain(program, error.what(), kBadInput);
+  } catch (const std::exception& error) {
+    return complain(program, std::string("internal error: ") + error.what() + ": please report it", kCannotBeDone);
+  }
+}
+
+}  // namespace
+
+CLI::App& add_command(Program& program, const std::string& name, const std::string& what,
+                      std::function<int(const Session&)> run) {
+  CLI::App& command = *program.app.add_subcommand(name, what);
+  command.add_option("--threads", program.session.threads, "Threads to use; 0 = one per processor")
+      ->check(CLI::Range(0, 256));
+  command.add_flag("--json", program.session.json, "Print machine-readable output");
+  command
+      .add_option("--progress-fd", program.session.progress_fd, "Write lines FRACTION STAGE to this file descriptor")
+      ->group("");
+  command.callback([&program, name, run] {
+    program.command = name;
+    program.chosen = [&program, run] { return run(program.session); };
+  });
+  return command;
+}
+
+// Planes come and go with the stages. Each in a mapping of its own goes back to the system when it is freed, so that
+// the peak is that of one stage, not the sum of what fragments leave behind.
+void return_freed_memory() {
+#if defined(__GLIBC__)
+  mallopt(M_MMAP_THRESHOLD, 1 << 18);
+  mallopt(M_ARENA_MAX, 2);
+#endif
+}
+
+}  // namespace ldp
+
+int main(int argc, char** argv) {
+  ldp::return_freed_memory();
+  ldp::Interrupt interrupt;
+  ldp::Program program;
+  program.app.description("Layered depth panoramas: from one arm's-length sweep of a camera to views with parallax");
+  program.app.set_version_flag("--version", "ldp " LDP_VERSION);
+  program.app.require_subcommand(1);
+  program.session.stop = interrupt.token();
+  ldp::add_commands(program);
+  program.app.footer(  // commands take over what is set before they are added
+      "Exit status: 0 done, 1 the job cannot be done or 'verify' found damage, 2 unusable arguments or unreadable "
+      "input (a damaged .ldp among it), 130 interrupted.");
+  const int parsed = ldp::parse(program, argc, argv);
+  if (!program.chosen) return parsed;
+  const int status = ldp::run(program);
+  return interrupt.came() ? ldp::kInterrupted : status;
+}

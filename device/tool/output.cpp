@@ -1,0 +1,157 @@
+#include "device/tool/output.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <system_error>
+
+#include "core/base/job.h"
+#include "core/photos/images.h"
+#include "device/tool/interrupt.h"
+#include "device/tool/session.h"
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path without_trailing_slash(const fs::path& path) {
+  if (path.empty()) throw BadInput("the name of an output is empty: give the name of a folder");
+  const fs::path whole = fs::absolute(path).lexically_normal();
+  return whole.has_filename() ? whole : whole.parent_path();
+}
+
+// `shown` is the path in the user's words.
+void check_folder_takes_files(const fs::path& folder, const fs::path& shown) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    throw BadInput(shown.string() + ": its folder does not exist: create " + folder.string() + " first");
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw BadInput(shown.string() + ": cannot be written (" + std::strerror(errno) +
+                   "): choose a folder you may write to");
+  }
+}
+
+// Two to four letters or digits after the dot, a letter among them: .ldp, .gz and .webp are; .5 and .views are not.
+bool ends_like_a_file(const fs::path& path) {
+  const std::string extension = extension_of(path);
+  return extension.size() >= 3 && extension.size() <= 5 &&
+         std::all_of(extension.begin() + 1, extension.end(), [](unsigned char c) { return std::isalnum(c) != 0; }) &&
+         std::any_of(extension.begin(), extension.end(), [](unsigned char c) { return std::isalpha(c) != 0; });
+}
+
+void move_tree(const fs::path& from, const fs::path& to) {
+  for (const auto& entry : fs::directory_iterator(from)) {
+    const fs::path target = to / entry.path().filename();
+    if (entry.is_directory() && fs::is_directory(target))
+      move_tree(entry.path(), target);
+    else
+      fs::rename(entry.path(), target);
+  }
+}
+
+}  // namespace
+
+std::string extension_of(const fs::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+void check_input_file(const fs::path& file) {
+  std::error_code error;
+  if (!fs::exists(file, error)) throw BadInput(file.string() + ": there is no such file: check the name");
+  if (fs::is_directory(file, error)) throw BadInput(file.string() + ": is a folder: give the name of a file");
+  if (::access(file.c_str(), R_OK) != 0)
+    throw BadInput(file.string() + ": cannot be read (" + std::strerror(errno) + "): check its permissions");
+}
+
+void check_output_file(const fs::path& file) {
+  std::error_code error;
+  if (file.empty()) throw BadInput("the name of an output is empty: give the name of a file");
+  if (fs::is_directory(file, error)) throw BadInput(file.string() + ": is a folder: give the name of a file");
+  if (fs::exists(file, error) && !fs::is_regular_file(file, error)) return;  // a pipe or device
+  check_folder_takes_files(without_trailing_slash(file).parent_path(), file);
+}
+
+void check_output_file(const fs::path& file, const std::string& extension) {
+  check_output_file(file);
+  std::error_code error;
+  if (!fs::exists(file, error) && ends_like_a_file(file) && extension_of(file) != extension)
+    throw BadInput(file.string() + ": is no name of a " + extension + " file, which this writes: end it so");
+  if (fs::is_regular_file(file, error) && extension_of(file) != extension)
+    throw BadInput(file.string() + ": exists and is no " + extension +
+                   " file: choose another name, or remove it first");
+}
+
+void write_output(const fs::path& file, std::span<const uint8_t> bytes) {
+  const Finishing finishing;
+  write_file(file, bytes);
+}
+
+void write_text(const fs::path& file, const std::string& text) {
+  write_output(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+OutputFolder::OutputFolder(const fs::path& folder, Existing existing)
+    : shown_(folder.has_filename() ? folder : folder.parent_path()), final_(without_trailing_slash(folder)) {
+  std::error_code error;
+  if (fs::exists(final_, error)) {
+    if (!fs::is_directory(final_, error)) throw BadInput(folder.string() + ": is a file: give the name of a folder");
+    if (::access(final_.c_str(), W_OK | X_OK) != 0) {
+      throw BadInput(folder.string() + ": cannot be written (" + std::strerror(errno) +
+                     "): choose a folder you may write to");
+    }
+    if (existing == Existing::refuse && !fs::is_empty(final_, error)) {
+      throw BadInput(folder.string() + ": is there already and not empty: choose another name or remove it");
+    }
+  }
+  if (!fs::exists(final_, error) && ends_like_a_file(folder)) {
+    throw BadInput(folder.string() + ": is no kind of file that this can be written to: see --help, or name it " +
+                   folder.string() + "/ if a folder is meant");
+  }
+  check_folder_takes_files(final_.parent_path(), folder);
+  std::string name = ".";
+  name += final_.filename().string() + ".partial-" + std::to_string(::getpid());
+  partial_ = final_.parent_path() / name;
+  temporary_ = std::make_unique<Temporary>(partial_);
+  if (!fs::create_directory(partial_, error) && error) {
+    throw BadInput(folder.string() + ": cannot be created (" + error.message() + "): choose a folder you may write to");
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code ignored;
+  fs::remove_all(partial_, ignored);
+}
+
+void OutputFolder::fill(const std::function<void()>& write) const {
+  try {
+    write();
+  } catch (const std::system_error& error) {
+    std::string text = error.what();
+    const std::string partial = partial_.string();
+    if (text.find(partial) == std::string::npos) throw;
+    for (size_t at = 0; (at = text.find(partial, at)) != std::string::npos; at += shown_.string().size())
+      text.replace(at, partial.size(), shown_.string());
+    throw Impossible(text);
+  }
+}
+
+void OutputFolder::keep() {
+  const Finishing finishing;
+  fill([this] {
+    std::error_code error;
+    if (!fs::exists(final_, error) || fs::is_empty(final_, error))
+      fs::rename(partial_, final_);
+    else
+      move_tree(partial_, final_);
+  });
+}
+
+}  // namespace ldp

@@ -1,0 +1,35 @@
+// Photographs of a synthetic scene: anti-aliased colour and exact z-depth, for any camera, distortion included.
+//
+// Takes a scene and a camera; gives sRGB colour and the z-depth at every pixel's centre (infinity = sky). Colour is
+// averaged in linear light over the pixel's centre and corners, and over 3x3 samples wherever those disagree.
+#pragma once
+
+#include "core/base/job.h"
+#include "core/base/plane.h"
+#include "core/geometry/geometry.h"
+#include "sim/scene/scene.h"
+
+namespace ldp {
+
+struct PictureOptions {
+  int edge_samples = 3;       // per axis, in pixels with an edge (1 .. 8); smooth pixels take the centre and corners
+  double exposure = 1;        // multiplies linear light
+  double noise = 0;           // deviation of the sensor's noise at mid-grey, in 8-bit levels
+  double motion_blur_px = 0;  // length of a horizontal smear
+  uint64_t noise_seed = 0;
+};
+
+struct Picture {
+  RgbImage colour;
+  Plane<float> depth;
+};
+
+Picture take_picture(const Scene& scene, const Camera& camera, const PictureOptions& options, const Job& job);
+
+// The colour of linear light in a picture taken without noise.
+Rgb developed(const Eigen::Vector3f& light);
+
+// The exact z-depth alone.
+Plane<float> take_depth(const Scene& scene, const Camera& camera, const Job& job);
+
+}  // namespace ldp
