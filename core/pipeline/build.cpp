@@ -13,6 +13,7 @@
 #include "core/layers/layers.h"
 #include "core/pipeline/debug_pictures.h"
 #include "core/pipeline/memory_budget.h"
+#include "core/pipeline/stage_order.h"
 #include "core/rectify/rectify.h"
 #include "core/sweep/cost_volume.h"
 
@@ -74,28 +75,24 @@ class Stopwatch {
 // What a build knows so far. Disparity maps stand for layers until their colours are fetched.
 class Build {
  public:
-  Build(const FrameSource& frames, const BuildOptions& options, const Job& job)
-      : frames_(frames), options_(options), job_(job), watch_(report_), pictures_(options.debug_directory) {}
+  Build(const FrameSource& frames, const BuildOptions& options, const Job& job, PoseEstimator begun)
+      : frames_(frames),
+        options_(options),
+        job_(job),
+        watch_(report_),
+        pictures_(options.debug_directory),
+        begun_(std::move(begun)) {}
 
-  BuildResult run(PoseEstimator begun) {
-    find_cameras(std::move(begun));
-    lay_out();
-    if (poses_.report.motion == Motion::rotation) {
-      one_far_layer();
-    } else {
-      for (int iteration = 1; iteration <= options_.iterations; ++iteration) find_layers(iteration);
-    }
-    if (layers_.empty())
-      throw Impossible(std::string("no two photos show the same thing at any depth") +
-                       (options_.cameras.empty() ? "" : ": are the cameras given those of these photos?"));
-    split_columns();
-    choose_photographs();
-    return assemble();
-  }
+  BuildResult run() { return run_in_order(*this, options_.layers, options_.iterations); }
 
  private:
-  void find_cameras(PoseEstimator begun) {
-    poses_ = options_.cameras.empty() ? estimate_poses(frames_, std::move(begun), job_)
+  template <typename Stages>
+  friend auto ldp::run_in_order(Stages& stages, int layers, int iterations);
+  template <typename Stages>
+  friend void ldp::find_layers_in_order(Stages& stages, int layers, int iterations);
+
+  void find_cameras() {
+    poses_ = options_.cameras.empty() ? estimate_poses(frames_, std::move(begun_), job_)
                                       : triangulate(frames_, options_.cameras, options_.poses, job_);
     if (!poses_.report.doubt.empty()) report_.notes.push_back("the poses may be wrong: " + poses_.report.doubt);
     watch_.lap("poses");
@@ -115,7 +112,7 @@ class Build {
     upright_ =
         rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc, grid.pitch_px, job_);
     watch_.lap("rectify");
-    if (grid.near_depth == 0 && poses_.report.motion != Motion::rotation) take_in_what_is_nearer(grid);
+    if (grid.near_depth == 0 && parallax()) take_in_what_is_nearer(grid);
     watch_.lap("depth range");
   }
 
@@ -135,7 +132,7 @@ class Build {
 
   // A depth that was asked for may lie on the wrong side of the one that the photos tell.
   void check_range() const {
-    if (poses_.report.motion == Motion::rotation || grid_.w_far < grid_.w_near) return;
+    if (!parallax() || grid_.w_far < grid_.w_near) return;
     const bool far_given = options_.far_depth > 0;
     const auto text = [](double value) {
       char digits[32];
@@ -188,28 +185,34 @@ class Build {
     return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB";
   }
 
+  bool parallax() const { return poses_.report.motion != Motion::rotation; }
+
   void one_far_layer() {
     report_.notes.push_back("no parallax was found: one far layer");
     grid_.w_near = grid_.w_far = 0;
     layers_.assign(1, DisparityMap(grid_.width, grid_.height, 0));
   }
 
-  // Front to back. Only the last iteration looks behind the front; what hides voxels from cameras there is what the
-  // iteration before it found (paper 3.3.4).
-  void find_layers(int iteration) {
-    std::vector<DisparityMap> found;
-    last_ = iteration == options_.iterations;
-    for (int index = 0; index < (last_ ? options_.layers : 1); ++index) {
-      const std::string name = "layer " + std::to_string(index + 1) + " iteration " + std::to_string(iteration);
-      job_.report(name, 0);
-      DisparityMap layer = index == 0 ? front_layer(name) : layer_behind(found, name);
-      if (layer.empty()) break;
-      pictures_.disparity(name, layer);
-      if (last_) add_layer(grid_, layer, upright_, {}, job_, visibility_);
-      watch_.lap("visibility");
-      found.push_back(std::move(layer));
-    }
-    layers_ = std::move(found);
+  void begin_iteration(bool last) { last_ = last; }
+
+  // False when no camera sees anything behind the layers found so far.
+  bool find_layer(int index, const std::string& name) {
+    job_.report(name, 0);
+    DisparityMap layer = index == 0 ? front_layer(name) : layer_behind(found_, name);
+    if (layer.empty()) return false;
+    pictures_.disparity(name, layer);
+    if (last_) add_layer(grid_, layer, upright_, {}, job_, visibility_);
+    watch_.lap("visibility");
+    found_.push_back(std::move(layer));
+    return true;
+  }
+
+  void end_iteration() { layers_ = std::exchange(found_, {}); }
+
+  void check_layers() const {
+    if (layers_.empty())
+      throw Impossible(std::string("no two photos show the same thing at any depth") +
+                       (options_.cameras.empty() ? "" : ": are the cameras given those of these photos?"));
   }
 
   // What the front layer of the iteration before surely hides.
@@ -425,6 +428,7 @@ class Build {
   BuildReport report_;
   Stopwatch watch_;
   DebugPictures pictures_;
+  PoseEstimator begun_;
   std::unique_ptr<ScratchSpace> scratch_;
   Poses poses_;
   PanoramaGrid grid_;
@@ -432,8 +436,8 @@ class Build {
   bool tried_scratch_ = false;
   int columns_of_colour_ = 1;  // to each of the columns in which depths are found
   std::vector<UprightFrame> upright_;
-  bool last_ = true;  // is this the last iteration?
-  std::vector<DisparityMap> layers_;
+  bool last_ = true;                                 // is this the last iteration?
+  std::vector<DisparityMap> layers_, found_;         // of the last iteration that ended, of the present one
   std::vector<VisibilityMap> visibility_;            // of all layers; empty for one far layer
   std::vector<Plane<uint8_t>> sources_, witnesses_;  // of the colours
 };
@@ -447,7 +451,7 @@ BuildResult build(const FrameSource& frames, const BuildOptions& options, const 
 BuildResult build(const FrameSource& frames, const BuildOptions& options, const Job& job, PoseEstimator begun) {
   check(options);
   if (begun.options() != options.poses) begun = PoseEstimator(options.poses);
-  return Build(frames, options, job).run(std::move(begun));
+  return Build(frames, options, job, std::move(begun)).run();
 }
 
 }  // namespace ldp
