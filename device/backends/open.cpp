@@ -20,7 +20,8 @@ const BackEnd<Device>& back_end_of(const Url& url, const char* kind, std::span<c
       known += std::string(known.empty() ? "" : ", ") + back_end.scheme + ":";
     }
   }
-  throw std::runtime_error("'" + url.text() + "': no " + kind + " of that kind; known: " + known);
+  throw std::runtime_error("'" + url.text() + "': no " + kind + " of that kind; known: " +
+                           (known.empty() ? "none, this program was built without drivers" : known));
 }
 
 const BackEnd<CameraDevice>& camera_of(const Url& url) {

@@ -1,6 +1,6 @@
 if(LDP_DRIVERS)
   find_package(LCMLean REQUIRED)
-  ldp_test(ldpd_test SOURCES ldpd_test.cpp USES ldp_photos ldp_backends ldp_drivers LCMLean::lcm)
+  ldp_test(ldpd_test SOURCES ldpd_test.cpp USES ldp_photos ldp_backends ldp_hardware LCMLean::lcm)
   target_compile_definitions(ldpd_test PRIVATE LDPD_PROGRAM="$<TARGET_FILE:ldpd>" LDP_DEVICE_PROGRAM="$<TARGET_FILE:ldp-device>")
   add_library(slow_disk MODULE slow_disk.c)
   target_compile_definitions(ldpd_test PRIVATE LDP_SLOW_DISK="$<TARGET_FILE:slow_disk>")
@@ -13,3 +13,13 @@ if(LDP_DRIVERS)
       "if ${SYSTEMD_ANALYZE} verify ${PROJECT_BINARY_DIR}/device/systemd/ldpd.service 2>&1 | grep ldpd.service | grep -v 'is not executable' | grep -v 'man '; then exit 1; fi")
   endif()
 endif()
+
+# The service as it is built without drivers.
+add_executable(ldpd_without_drivers ${PROJECT_SOURCE_DIR}/device/service/ldpd.cpp)
+target_link_libraries(ldpd_without_drivers PRIVATE ldp_service ldp_no_hardware ldp_defaults)
+target_include_directories(ldpd_without_drivers SYSTEM PRIVATE ${CLI11_INCLUDE_DIR})
+target_compile_definitions(ldpd_without_drivers PRIVATE LDP_VERSION="${PROJECT_VERSION}")
+set_target_properties(ldpd_without_drivers PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)  # beside ldp
+add_dependencies(ldpd_without_drivers ldp)
+add_test(NAME WithoutDrivers.ASweepIsTakenAndOtherCamerasAreRefused
+  COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/without_drivers.sh $<TARGET_FILE:ldpd_without_drivers>)
