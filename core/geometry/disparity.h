@@ -4,7 +4,7 @@
 //   w = w_far + (w_near - w_far) * disparity / kDisparitySteps.
 // kDisparitySteps = 255 * 15, so that a code c in 0..15 against a block range (low, high) in 0..255 is the exact
 // integer  disparity = 15 low + (high - low) c, and a label l of 16 over the whole range (0, 255) is 255 l.
-// (As texture formats do: two end points and an index per pixel; DESIGN 1, idea 7.)
+// (As texture formats do: two end points and an index per pixel.)
 #pragma once
 
 #include <cstdint>

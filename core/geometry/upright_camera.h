@@ -1,4 +1,4 @@
-// A camera turned upright: its image plane is parallel to the arc's axis n (DESIGN 1, idea 1).
+// A camera turned upright: its image plane is parallel to the arc's axis n.
 #pragma once
 
 #include <Eigen/Core>

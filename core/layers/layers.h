@@ -1,5 +1,5 @@
-// Layers from disparity: what hides voxels from cameras, and where layers behind the first are wanted
-// (paper 3.3.3, 3.3.4).
+// Layers from disparity: silhouettes, what hides voxels from cameras (occlusion), and where layers behind the first are
+// wanted (disocclusion; paper 3.3.3, 3.3.4). How a view cuts surfaces apart is the renderer's (core/view/mesh/mesh.h).
 //
 // Takes the disparity maps of the layers so far (front to back, on the panorama's grid) and the upright cameras.
 // Gives visibility maps, the pixels at which some camera sees something that no layer explains yet, and a cost source
@@ -32,8 +32,8 @@ struct LayersOptions {
 
 constexpr int kLabelSteps = kDisparitySteps / (kLabels - 1);  // disparity steps of one label of 16
 
-// Draws a layer into the maps of what each camera sees first; empty `maps` are made. Covered pixels hold at least 1,
-// pixels that no layer reaches 0. The order of layers does not matter.
+// Occlusion (visibility.cpp): draws a layer into the maps of what each camera sees first; empty `maps` are made.
+// Covered pixels hold at least 1, pixels that no layer reaches 0. The order of layers does not matter.
 void add_layer(const PanoramaGrid& grid, const DisparityMap& layer, const std::vector<UprightFrame>& frames,
                const LayersOptions& options, const Job& job, std::vector<VisibilityMap>& maps);
 
@@ -43,9 +43,10 @@ DisparityMap without_silhouettes(const DisparityMap& layer, int reach_px);
 
 enum Want : uint8_t { kUnwanted = 0, kWanted = 1, kBoundary = 2 };
 
-// Where the next layer is wanted: pixels with a voxel behind `front` that falls on an uncovered pixel of some camera.
-// kBoundary marks unwanted pixels beside wanted ones whose own surface lies behind the neighbour's front: the
-// background that the next layer continues. `front` holds the deepest layer so far, kNoDisparity where it is absent.
+// Disocclusion (disocclusion.cpp), where the next layer is wanted: pixels with a voxel behind `front` that falls on an
+// uncovered pixel of some camera. kBoundary marks unwanted pixels beside wanted ones whose own surface lies behind the
+// neighbour's front: the background that the next layer continues. `front` holds the deepest layer so far, kNoDisparity
+// where it is absent.
 Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front,
                              const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
                              const LayersOptions& options, const Job& job);
@@ -53,8 +54,9 @@ Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front
 // Disparity steps of `gap_px`.
 int gap_steps(const PanoramaGrid& grid, const LayersOptions& options);
 
-// Continues the background into wanted pixels, row by row from their kBoundary neighbours, where the layer is absent or
-// agrees with it to a label. (Labels are coarse where the range is long; the background's own disparity is not.)
+// Inpaints depth (background.cpp): continues the background into wanted pixels, row by row from their kBoundary
+// neighbours, where the layer is absent or agrees with it to a label. (Labels are coarse where the range is long; the
+// background's own disparity is not.)
 void continue_background(const Plane<uint8_t>& want, const DisparityMap& surface, int gap, DisparityMap& layer);
 
 // Moves wanted pixels that no camera sees at their disparity, or that have none, to the closest one behind `front` at
@@ -67,8 +69,9 @@ void move_into_sight(const PanoramaGrid& grid, const DisparityMap& front, int ga
 int drop_unseen(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames,
                 const std::vector<VisibilityMap>& maps, const Job& job, DisparityMap& layer);
 
-// Moves the outlines of a dense layer's near surfaces inwards to where the photographs put them: a pixel beside a
-// surface further back takes its disparity where few pixels around it match better there.
+// Cuts silhouettes (silhouettes.cpp): moves the outlines of a dense layer's near surfaces inwards to where the
+// photographs put them: a pixel beside a surface further back takes its disparity where few pixels around it match
+// better there.
 void fit_outlines(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const Job& job,
                   DisparityMap& layer);
 

@@ -1,6 +1,5 @@
-// Frames turned upright: rotated by a homography so that the image plane is parallel to the arc's axis n (DESIGN 1,
-// idea 1). A vertical line of panorama voxels (fixed theta and depth) then projects to ONE column, with the row affine
-// in v.
+// Frames turned upright: rotated by a homography so that the image plane is parallel to the arc's axis n. A
+// vertical line of panorama voxels (fixed theta and depth) then projects to ONE column, with the row affine in v.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Camera poses from photographs (structure from motion for an arm's-length sweep; paper section 4, DESIGN 1 idea 5).
+// Camera poses from photographs (structure from motion for an arm's-length sweep; paper section 4).
 //
 // Takes frames; gives cameras (shared intrinsics with radial distortion), sparse points and a report. The world of the
 // estimated poses has its up axis along +z, and its scale such that the cameras' circle has `arm_length` as radius.

@@ -1,4 +1,4 @@
-// Turns photographs upright and even in exposure, once, for the sweep (DESIGN 1, idea 1).
+// Turns photographs upright and even in exposure, once, for the sweep (core/photos/upright_frame.h says why).
 //
 // Takes frames, their cameras, the arc; gives UprightFrames (grey and tint, column-major) and gains. Colours are
 // read later, from the photographs themselves.

@@ -1,4 +1,4 @@
-// The states of the device and what happens in them (DESIGN 5), as a pure function: no clock, no file, no device.
+// The states of the device and what happens in them as a pure function: no clock, no file, no device.
 //
 // What the button means depends on how it is set up: toggle, where one press begins and the next ends the sweep and a
 // press of three seconds cancels; or hold, where the sweep lasts as long as the button is held.

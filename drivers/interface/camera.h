@@ -7,6 +7,7 @@
 //
 // A poll loop waits for `fd()` to become readable while the camera is started, then calls `read()`; what was not read
 // keeps it readable. Nothing here blocks longer than opening and starting the device takes; nothing calls back.
+// A new back-end is a row of drivers/hardware.cpp, or of sim/devices.cpp without hardware (CONTRIBUTING.md).
 #pragma once
 
 #include <cstddef>

@@ -4,7 +4,7 @@
 //   depth_bench CAPTURE [--central] [--pictures DIR] [--truth FILE]
 //
 // FILE keeps the truth from run to run: it takes minutes to find. CAPTURE holds frames/, transforms.json and
-// frames_depth/ (DESIGN 7). Errors are in labels of 16.
+// frames_depth/ (as sim/scene_capture.h writes them). Errors are in labels of 16.
 #include <chrono>
 #include <cstdio>
 #include <cstring>

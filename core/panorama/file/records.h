@@ -1,4 +1,5 @@
 // The small chunks (FORMAT.md, "HEAD", "LAYR", "cams", "qual", "meta") to and from bytes. Reading checks every bound.
+// They are written in encode.cpp and found in reader.cpp; CONTRIBUTING.md lists all that a new one takes.
 #pragma once
 
 #include <cstdint>

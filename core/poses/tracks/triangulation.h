@@ -1,7 +1,7 @@
 // Triangulation of points.
 //
 // Points are homogeneous, (m, w) with unit direction m and inverse distance w from an origin near the cameras: the
-// point is origin + m / w, and a point at infinity is simply w = 0 (DESIGN 1: inverse depth). Seen from a centre c
+// point is origin + m / w, and a point at infinity is simply w = 0. Seen from a centre c
 // (relative to the origin) it lies in direction m - w c.
 #pragma once
 
