@@ -1,4 +1,5 @@
 // Opens cameras, buttons and status channels by URL, of hardware and simulated (drivers/interface/url.h).
+// Which there are stands in rows by scheme: drivers/hardware.cpp, sim/devices.cpp.
 #pragma once
 
 #include <memory>
