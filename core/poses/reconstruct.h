@@ -1,6 +1,6 @@
 // From verified matches of a sweep to cameras: a start (initialisation.h), bundle adjustment with free cameras in
 // rounds of stricter tolerance, points followed through all frames (klt_tracking.h), and what kind of motion it was.
-// Here frames that match no others, or that too few points hold, are dropped with a reason (Reconstruction::dropped).
+// Here frames that match no others, or that too few points hold, are left out with a reason (Reconstruction::dropped).
 // Works in radii: the cameras' circle has radius about 1 and its centre at the origin.
 #pragma once
 
