@@ -17,7 +17,7 @@ namespace {
 // courtyard_360 22.59 v 22.61 (SSIM .756 v .754). Ties that break late everywhere draw leaves together (garden 20.58 v
 // 20.63 dB).
 constexpr int kRounds = 20;
-constexpr int kStrongest = 25;  // tie of neighbours of one grey, where firmness is as refine.cpp measures it
+constexpr int kStrongest = 25;  // tie of neighbours of one grey, where firmness is as depth_refinement.cpp has it
 constexpr int kDecay = 239;     // of 256: tie that each grey level of difference leaves, exp(-1/15)
 constexpr int kContrastReach = 3, kPlainContrast = 24;
 constexpr uint8_t kPlain = 128;  // flag of a tie between plain pixels

@@ -11,8 +11,8 @@
 namespace ldp {
 
 // Pixels of kNoDisparity stay and are not looked at. `firmness` (how fast the cost of matching rises beside its least,
-// see refine.cpp) and `guide` (grey) have the map's size; `label_steps`: disparity steps of a label; `wraps`: columns
-// are modulo the width.
+// see depth_refinement.cpp) and `guide` (grey) have the map's size; `label_steps`: disparity steps of a label; `wraps`:
+// columns are modulo the width.
 DisparityMap weak_membrane(const DisparityMap& disparity, const Plane<uint8_t>& firmness, const Plane<uint8_t>& guide,
                            int label_steps, bool wraps, const Job& job);
 
