@@ -1,4 +1,4 @@
-// What photographs agree on where several of them see a surface.
+// Blending: what photographs agree on where several of them see a surface.
 //
 // Where a depth is a little wrong, something has moved or a sample is mixed with an edge, the photograph that a pixel
 // is taken from differs from the others; everywhere its noise does. Photographs also differ in brightness over wide

@@ -1,4 +1,4 @@
-// Steps of brightness between photographs, spread over the surfaces on both sides of their border.
+// Seam levelling: steps of brightness between photographs, spread over the surfaces on both sides of their border.
 //
 // A gradient-domain correction in little memory: an offset per channel for every (cell, photograph) pair, so that
 // offsets may jump where photographs meet and are smooth elsewhere. Minimises (2)

@@ -1,5 +1,5 @@
-// Exposure gains: one factor per photograph and channel that makes overlapping photographs agree (hand-held cameras
-// drift in exposure and white balance during a sweep).
+// Exposure compensation by gains: one factor per photograph and channel that makes overlapping photographs agree
+// (hand-held cameras drift in exposure and white balance during a sweep).
 //
 // Takes thumbnails of block means; compares blocks of photos that look at the same direction (and, where there are
 // scene points, at the same point). A link's ratio is the median over its blocks, so that parallax and moving things

@@ -1,4 +1,4 @@
-// The cylinder sweep: matching cost phi and median grey mu of every (theta, v, label) (paper 3.2), in fixed point.
+// The cylinder sweep's cost volume: matching cost phi and median grey mu of each (theta, v, label); paper 3.2, integer.
 //
 // Takes upright frames, the grid, and optionally what hides voxels from cameras and feature points that tell of plain
 // parts (points_prior.h); gives a CostSource that computes any window when asked. Integer from samples to costs, and

@@ -1,4 +1,4 @@
-// Continues the background over the holes of a view.
+// Inpainting: continues the background over the holes of a view.
 //
 // A hole lies beside a near surface that has moved away from what it hid, so it is filled from the farther surfaces at
 // its rim alone: rim colours are averaged into ever coarser images and drawn back into the hole (pull-push), which is

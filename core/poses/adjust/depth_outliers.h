@@ -1,5 +1,5 @@
-// Points that nothing around them is as far as: two photos agree on any depth along a line of sight, so a wrong match
-// of something repeated that lies there is seen by its depth only, which no neighbour in the picture shares.
+// Outliers told by depth, which nothing around them has: two photos agree on any depth along a line of sight, so a
+// wrong match of something repeated that lies there is seen by its depth only, which no neighbour in the picture shares.
 #pragma once
 
 #include <vector>

@@ -1,6 +1,6 @@
-// Which feature points of two photographs look alike: nearest neighbours that are clearly better than the second best
-// (Lowe's ratio) and mutual. Exact integer arithmetic. What they look like is all that is compared here; geometry is
-// checked by whoever knows the cameras.
+// Descriptor matching, which feature points of two photographs look alike: nearest neighbours that are clearly better
+// than the second best (Lowe's ratio test) and mutual. Exact integer arithmetic. What they look like is all that is
+// compared here; geometry is checked by whoever knows the cameras.
 #pragma once
 
 #include <vector>

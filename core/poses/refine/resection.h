@@ -1,5 +1,5 @@
-// Frames that lost the others: few of their matches agree with the cameras, although they have enough. A circle that is
-// not yet closed because its focal length is not yet right tears at one frame, which then drifts.
+// Resection of frames that lost the others: few of their matches agree with the cameras, although they have enough. A
+// circle that is not yet closed because its focal length is not yet right tears at one frame, which then drifts.
 #pragma once
 
 #include "core/poses/tracks/match_graph.h"

@@ -1,4 +1,4 @@
-// Where bundle adjustment starts: from turns of the cameras, the focal length found by trying.
+// Initialisation, where bundle adjustment starts: from turns of the cameras, the focal length found by trying.
 #pragma once
 
 #include <optional>

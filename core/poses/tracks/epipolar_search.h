@@ -1,5 +1,5 @@
-// How far a place of one photo is: what is around it is compared with the two photos nearest to it, along its line of
-// sight, over all the distances that anything is known to have.
+// Epipolar search for how far a place of one photo is: what is around it is compared with the two photos nearest to it,
+// along its line of sight, over all the distances that anything is known to have.
 #pragma once
 
 #include <Eigen/Core>

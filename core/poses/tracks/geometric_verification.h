@@ -1,5 +1,5 @@
-// Which frames of a sweep see the same things: matches of neighbours in the sequence and of loop closures, each checked
-// by a fundamental matrix of its own (no focal length needed yet).
+// Geometric verification, which frames of a sweep see the same things: matches of neighbours in the sequence and of
+// loop closures, each checked by a fundamental matrix of its own (no focal length needed yet).
 #pragma once
 
 #include <vector>

@@ -1,8 +1,8 @@
-// Points followed into every frame that should show them: where bundle adjustment predicts a point, its surroundings in
-// one frame (the anchor) are aligned with the picture there, to a fraction of a pixel (Lucas and Kanade 1981, inverse
-// compositional as in Baker and Matthews 2004, zero-mean and of unit contrast so that exposure does not matter). Then
-// all frames that show it, the anchor among them, are aligned with what they show on the average, and with more of the
-// surroundings where these are flat.
+// Points followed (KLT tracking) into every frame that should show them: where bundle adjustment predicts a point, its
+// surroundings in one frame (the anchor) are aligned with the picture there, to a fraction of a pixel (Lucas and Kanade
+// 1981, inverse compositional as in Baker and Matthews 2004, zero-mean and of unit contrast so that exposure does not
+// matter). Then all frames that show it, the anchor among them, are aligned with what they show on the average, and
+// with more of the surroundings where these are flat.
 //
 // Matching descriptors finds a thing in two or three frames of ten that show it; following finds it in most, and more
 // exactly. That is what makes focal length and long arcs accurate.

@@ -1,4 +1,4 @@
-// Alpha-expansion inside one window by minimum cuts.
+// Alpha-expansion inside one window by minimum cuts (maximum flow).
 //
 // A move offers slot alpha to every pixel of the window at once; the best subset of pixels that accepts is a minimum
 // cut (Boykov, Veksler, Zabih 2001). The energy is the grid's, reparametrised by its messages: the same energy, but
