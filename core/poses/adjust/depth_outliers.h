@@ -1,5 +1,5 @@
 // Outliers told by depth, which nothing around them has: two photos agree on any depth along a line of sight, so a
-// wrong match of something repeated that lies there is seen by its depth only, which no neighbour in the picture shares.
+// wrong match of something repeated that lies there is told by its depth only, which no neighbour in the photo shares.
 #pragma once
 
 #include <vector>
