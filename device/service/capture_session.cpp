@@ -109,7 +109,7 @@ int CaptureSession::run() {
   notice_.ready();
   while (!stopping_) turn();
   notice_.stopping();
-  if (interrupted_ && run_ != Run::capture_only) leave_in_order();
+  if (interrupted_) leave_in_order();
   tell_ignored(true);
   return exit_status_;
 }
@@ -302,6 +302,7 @@ void CaptureSession::continue_after_sweep() {
 // A sweep that was interrupted keeps the frames it has; one without any leaves no folder.
 void CaptureSession::leave_in_order() {
   const bool in_sweep = sweep_closing_;
+  if (in_sweep && run_ != Run::service) log_note("interrupted: storing what was taken; once more to leave at once");
   while (sweep_closing_) {
     serve_writer();
     if (!sweep_closing_) break;
@@ -310,15 +311,16 @@ void CaptureSession::leave_in_order() {
   }
   try {
     const bool has_nothing = frames_stored_ == 0 && storage_problem_.empty();
-    if (in_sweep && has_nothing) store_.discard(std::exchange(capture_, {}));
+    const std::string unused = in_sweep && has_nothing ? std::exchange(capture_, {}) : std::string();
+    if (!unused.empty() && run_ != Run::capture_only) store_.discard(unused);
   } catch (const std::exception& error) {
     log_warning(error.what());
   }
-  if (run_ != Run::once) return;
+  if (run_ == Run::service) return;
   const std::string kept =
       capture_.empty() ? "nothing was kept"
                        : "the sweep is kept in " + capture_folder().string() + " (" + frames_text(frames_stored_) + ")";
-  log_note("stopped before a panorama was made; " + kept);
+  log_note((run_ == Run::once ? "stopped before a panorama was made; " : "stopped; ") + kept);
 }
 
 std::string CaptureSession::why_so_few() const {

@@ -5,6 +5,7 @@
 #include <ctime>
 
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 #include <vector>
 
@@ -16,7 +17,8 @@ namespace {
 // What has to go when the program is cut off. The one piece of state that must be reachable from everywhere.
 struct Registry {
   std::recursive_mutex mutex;  // a finishing thread may still register and forget
-  std::vector<std::filesystem::path> paths;
+  std::vector<const WhenCutOff*> clean_ups;
+  std::atomic<int> unhurried = 0;
 };
 
 Registry& registry() {
@@ -41,11 +43,7 @@ void cut_off(int status, const std::string& line) {
   // The lock is kept: nobody may register or write anything from here on.
   Registry& all = registry();
   all.mutex.lock();
-  for (const auto& path : all.paths) {
-    std::error_code ignored;
-    // A worker may still be writing into the folder: once more takes what came in between.
-    for (int attempt = 0; attempt < 3; ++attempt) std::filesystem::remove_all(path, ignored);
-  }
+  for (const WhenCutOff* const clean_up : all.clean_ups) (*clean_up)();
   std::string last = ::isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "";  // over a progress bar
   last += line;
   if (!last.empty() && ::write(STDERR_FILENO, last.data(), last.size()) < 0) ::_exit(status);
@@ -70,23 +68,35 @@ void Interrupt::wait(const std::stop_token& over) {
   if (over.stop_requested()) return;
   stop_.request_stop();
   const timespec patience = timespec_of(kPatience);
-  ::sigtimedwait(&set, nullptr, &patience);  // a second Ctrl-C is the end of patience; the destructor's, of everything
+  // A second Ctrl-C is the end of patience; the destructor's, of everything.
+  while (::sigtimedwait(&set, nullptr, &patience) < 0 && registry().unhurried > 0) {
+  }
   if (!over.stop_requested()) cut_off(kInterrupted, {});
 }
 
 Finishing::Finishing() { registry().mutex.lock(); }
 Finishing::~Finishing() { registry().mutex.unlock(); }
 
-Temporary::Temporary(std::filesystem::path path) : path_(std::move(path)) {
+WhenCutOff::WhenCutOff(std::function<void()> clean_up) : clean_up_(std::move(clean_up)) {
   Registry& all = registry();
   const std::lock_guard lock(all.mutex);
-  all.paths.push_back(path_);
+  all.clean_ups.push_back(this);
 }
 
-Temporary::~Temporary() {
+WhenCutOff::~WhenCutOff() {
   Registry& all = registry();
   const std::lock_guard lock(all.mutex);
-  all.paths.erase(std::find(all.paths.begin(), all.paths.end(), path_));
+  all.clean_ups.erase(std::find(all.clean_ups.begin(), all.clean_ups.end(), this));
 }
+
+// A worker may still be writing into the folder: once more takes what came in between.
+Temporary::Temporary(std::filesystem::path path)
+    : removal_([path = std::move(path)] {
+        std::error_code ignored;
+        for (int attempt = 0; attempt < 3; ++attempt) std::filesystem::remove_all(path, ignored);
+      }) {}
+
+Unhurried::Unhurried() { ++registry().unhurried; }
+Unhurried::~Unhurried() { --registry().unhurried; }
 
 }  // namespace ldp

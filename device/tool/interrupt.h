@@ -1,11 +1,13 @@
 // Ctrl-C: asks running work to stop, and ends the program by force when that takes too long.
 //
 // SIGINT, SIGTERM and SIGHUP are waited for on a thread of their own. Work that does not stop within kPatience is cut
-// off: temporary files and folders registered here are removed first, so that nothing partial stays behind.
+// off: temporary files and folders registered here are removed first, so that nothing partial stays behind. A second
+// signal cuts off at once.
 #pragma once
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -31,20 +33,39 @@ class Interrupt {
   std::jthread waiter_;
 };
 
-// Removes all that is Temporary and ends the program, from any thread, whatever else runs; `line` goes to standard
+// Does what is registered here and ends the program, from any thread, whatever else runs; `line` goes to standard
 // error.
 [[noreturn]] void cut_off(int status, const std::string& line);
+
+// While one is alive, being cut off calls it, on another thread; it must not throw.
+class WhenCutOff {
+ public:
+  explicit WhenCutOff(std::function<void()> clean_up);
+  ~WhenCutOff();
+  WhenCutOff(const WhenCutOff&) = delete;
+  WhenCutOff& operator=(const WhenCutOff&) = delete;
+  void operator()() const { clean_up_(); }
+
+ private:
+  std::function<void()> clean_up_;
+};
 
 // A path that must not outlive an interrupted program. While one is alive, being cut off removes it.
 class Temporary {
  public:
   explicit Temporary(std::filesystem::path path);
-  ~Temporary();
-  Temporary(const Temporary&) = delete;
-  Temporary& operator=(const Temporary&) = delete;
 
  private:
-  std::filesystem::path path_;
+  WhenCutOff removal_;
+};
+
+// While one is alive the first signal asks only: work that stores what it has takes the time that takes.
+class Unhurried {
+ public:
+  Unhurried();
+  ~Unhurried();
+  Unhurried(const Unhurried&) = delete;
+  Unhurried& operator=(const Unhurried&) = delete;
 };
 
 // While one is alive the program is not cut off: for the moment in which a finished result takes its name.

@@ -185,6 +185,17 @@ class LdpdTest : public testing::Test {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
+  // Under faults.c; what it did is in the file "faults".
+  std::vector<std::string> with_faults(const std::string& rules, const std::vector<std::string>& words) const {
+    std::vector<std::string> all{"env",
+                                 "LD_PRELOAD=" LDP_FAULTS,
+                                 "LDP_FAULTS=" + rules,
+                                 "LDP_FAULTS_IN=" + fs::path(words[0]).filename().string(),
+                                 "LDP_FAULTS_LOG=" + (room_ / "faults").string(),
+                                 "ASAN_OPTIONS=verify_asan_link_order=0"};
+    all.insert(all.end(), words.begin(), words.end());
+    return all;
+  }
   // Unless told otherwise the sweep is over with the last picture, so that a busy machine loses none.
   Finished run_once(const std::string& camera_options = "&hold=no") {
     return Process(command({"--once"}, camera_options), room_ / "said").wait();
@@ -673,9 +684,7 @@ TEST_F(LdpdTest, ASweepCancelledWhileItIsStoredKeepsItsFramesAndDoesNotMixWithTh
   script(
       "press wait 10 release wait 2000 press wait 3300 release press wait 10 release wait 2000 press wait 10 release");
   const fs::path gate = room_ / "gate";
-  std::vector<std::string> words{"env", "LD_PRELOAD=" LDP_SLOW_DISK, "LDP_DISK_GATE=" + gate.string(),
-                                 "ASAN_OPTIONS=verify_asan_link_order=0"};
-  for (const std::string& word : command({"--status", "console:"}, "&hold=yes")) words.push_back(word);
+  const auto words = with_faults("fsync .jpg * wait " + gate.string(), command({"--status", "console:"}, "&hold=yes"));
   {
     Process service(words, room_ / "said");
     ASSERT_TRUE(service.says("the frames are kept in sweep_000001")) << text_of(room_ / "said");
@@ -1092,6 +1101,39 @@ TEST_F(LdpdTest, LdpCaptureLeavesNothingWhereNoFrameWasKept) {
   ASSERT_TRUE(waiting.says("ready"));
   EXPECT_EQ(waiting.stop(SIGINT).status, 130);
   EXPECT_FALSE(fs::exists(room_ / "new"));
+}
+
+// The disk takes its time for every photo; Ctrl-C comes when some are chosen and not yet stored.
+TEST_F(LdpdTest, TheFirstInterruptionOfLdpCaptureStoresWhatWasTakenAndTheSecondLeavesAtOnce) {
+  script("press wait 600000 release");
+  const auto slowed = [&](const std::string& rules, const std::string& folder) {
+    return with_faults(
+        rules,
+        {LDP_DEVICE_PROGRAM, "capture", "--camera", "folder:" + (room_ / "frames").string() + "?fps=100", "--button",
+         "script:" + (room_ / "script").string(), "--status", "console:", "-o", (room_ / folder).string()});
+  };
+  {
+    Process first(slowed("fsync .jpg * delay 80", "one"), room_ / "said");
+    ASSERT_TRUE(first.says("stored: 2 frames")) << text_of(room_ / "said");
+    const Finished end = first.stop(SIGINT);
+    EXPECT_EQ(end.status, 130) << end.said;
+    EXPECT_EQ(frames_in(room_ / "one"), 14) << end.said;
+    EXPECT_THAT(end.said, HasSubstr("interrupted: storing what was taken"));
+    EXPECT_THAT(end.said, HasSubstr("the sweep is kept in " + (room_ / "one").string() + " (14 frames)"));
+    EXPECT_THAT(text_of(room_ / "one" / "capture.json"), HasSubstr("frame_013.jpg"));
+    EXPECT_THAT(text_of(room_ / "one" / "capture.json"), HasSubstr("\"complete\": false"));
+    EXPECT_EQ(std::distance(fs::directory_iterator(room_ / "one"), fs::directory_iterator()), 15);
+  }
+  fs::remove(room_ / "said");
+  Process second(slowed("fsync .jpg 4+ wait " + (room_ / "never").string(), "two"), room_ / "said");
+  ASSERT_TRUE(second.says("stored: 3 frames")) << text_of(room_ / "said");
+  kill(second.pid(), SIGINT);
+  ASSERT_TRUE(second.says("interrupted: storing")) << text_of(room_ / "said");
+  const auto begin = Clock::now();
+  EXPECT_EQ(second.stop(SIGINT).status, 130);
+  EXPECT_LT(Clock::now() - begin, milliseconds(2000));
+  EXPECT_EQ(frames_in(room_ / "two"), 3);
+  for (const auto& entry : fs::directory_iterator(room_ / "two")) EXPECT_NE(entry.path().extension(), ".tmp");
 }
 
 }  // namespace

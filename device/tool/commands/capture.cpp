@@ -4,12 +4,14 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "device/service/capture_session.h"
 #include "device/tool/commands.h"
 #include "device/tool/number_within.h"
+#include "device/tool/interrupt.h"
 
 namespace ldp {
 namespace {
@@ -29,10 +31,10 @@ void refuse_used_folder(const std::string& folder) {
 }
 
 // The output folder of a capture that may come to nothing: where no frame was kept, it and the folders made for it go
-// again. The folder must be new or empty.
+// again, and half a frame in any case. The folder must be new or empty.
 class NewFolder {
  public:
-  explicit NewFolder(const std::string& folder) {
+  explicit NewFolder(const std::string& folder) : when_cut_off_([this] { tidy(); }) {
     for (fs::path missing = fs::absolute(folder); !fs::exists(missing); missing = missing.parent_path()) {
       made_.push_back(missing);
     }
@@ -40,18 +42,26 @@ class NewFolder {
   }
   NewFolder(const NewFolder&) = delete;
   NewFolder& operator=(const NewFolder&) = delete;
-  ~NewFolder() {
+  ~NewFolder() { tidy(); }
+
+ private:
+  void tidy() const {
     std::error_code error;
+    std::vector<fs::path> halves;
+    bool has_frames = false;
     for (fs::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
-      if (entry->path().extension() == ".jpg") return;
+      if (entry->path().extension() == ".jpg") has_frames = true;
+      if (entry->path().extension() == ".tmp") halves.push_back(entry->path());
     }
+    for (const fs::path& half : halves) fs::remove(half, error);
+    if (has_frames) return;
     fs::remove(folder_ / "capture.json", error);
     for (const fs::path& made : made_) fs::remove(made, error);  // innermost first; none that holds anything else
   }
 
- private:
   fs::path folder_;
   std::vector<fs::path> made_;
+  WhenCutOff when_cut_off_;
 };
 
 int run_capture(CaptureCommand command, const Session& session) {
@@ -59,9 +69,11 @@ int run_capture(CaptureCommand command, const Session& session) {
   refuse_used_folder(config.output);
   if (!command.mode.empty()) config.mode = command.mode == "hold" ? ButtonMode::hold : ButtonMode::toggle;
   for (const ConfigMistake& mistake : wrong_values(config)) throw BadInput("--" + mistake.text);
+  std::optional<Unhurried> unhurried;
   const NewFolder folder(config.output);
   try {
     CaptureSession capture(config, Run::capture_only, session.stop);
+    unhurried.emplace();  // opening a camera is given up at once; a sweep is stored first
     const int status = capture.run();
     if (session.stop.stop_requested()) return kInterrupted;
     if (status != kDone) throw Impossible(capture.last_failure());

@@ -1,0 +1,225 @@
+// Preloaded before a program: makes chosen system calls fail, wait or lie, as a full disk or a bad card would.
+//
+//   LDP_FAULTS     rules separated by ';', each CALL MATCH WHICH ACTION [ARGUMENT]:
+//     CALL         open write fsync rename mkdir fork thread malloc clock
+//     MATCH        part of the file's path ('-' = any); of malloc: the least size in bytes
+//     WHICH        3 = the third such call of the process, 3+ = that and all later ones, * = all
+//     ACTION       an errno by name (ENOSPC ...); short (half of a write); delay MILLISECONDS; wait FILE (until the
+//     file
+//                  is there); shift SECONDS (of clock: the wall clock is that much off)
+//   LDP_FAULTS_IN  name of the only program that is meant; others that inherit the variables are left alone
+//   LDP_FAULTS_LOG file to which every action is appended as a line, and "polls N", the main thread's, at the end
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/time.h>
+#include <time.h>
+#include <unistd.h>
+
+#define MOST_RULES 8
+
+struct rule {
+  char call[16], match[64], action[16], argument[256];
+  long first, last;  // which calls, counted from 1
+  atomic_long calls;
+};
+
+static struct rule rules[MOST_RULES];
+static int rule_count;
+static const char* log_file;
+static atomic_long polls;
+
+static void* libc(const char* name) { return dlsym(RTLD_NEXT, name); }
+
+static const struct {
+  const char* name;
+  int number;
+} kErrors[] = {{"ENOSPC", ENOSPC}, {"EIO", EIO},       {"EROFS", EROFS},   {"EINTR", EINTR},  {"EMFILE", EMFILE},
+               {"ENOMEM", ENOMEM}, {"EAGAIN", EAGAIN}, {"EINVAL", EINVAL}, {"EACCES", EACCES}};
+
+static int error_of(const char* name) {
+  for (size_t i = 0; i < sizeof kErrors / sizeof *kErrors; ++i)
+    if (strcmp(kErrors[i].name, name) == 0) return kErrors[i].number;
+  return 0;
+}
+
+static void parse(const char* text) {
+  while (*text != '\0' && rule_count < MOST_RULES) {
+    struct rule* const rule = &rules[rule_count];
+    char which[24] = "";
+    int used = 0;
+    const int fields = sscanf(text, " %15s %63s %23s %15[^; ]%n %255[^; ]%n", rule->call, rule->match, which,
+                              rule->action, &used, rule->argument, &used);
+    if (fields < 4) {
+      fprintf(stderr, "LDP_FAULTS: cannot read '%s'\n", text);
+      abort();
+    }
+    rule->first = which[0] == '*' ? 1 : atol(which);
+    rule->last = which[0] == '*' || strchr(which, '+') ? __LONG_MAX__ : rule->first;
+    ++rule_count;
+    text = strchr(text + used, ';') ? strchr(text + used, ';') + 1 : "";
+  }
+}
+
+__attribute__((constructor)) static void begin(void) {
+  const char* const only = getenv("LDP_FAULTS_IN");
+  if (only && strcmp(only, program_invocation_short_name) != 0) return;
+  log_file = getenv("LDP_FAULTS_LOG");
+  if (getenv("LDP_FAULTS")) parse(getenv("LDP_FAULTS"));
+}
+
+// By the system calls themselves: nothing here may be acted upon.
+static void note(const char* line) {
+  const int kept = errno;
+  const int fd =
+      log_file ? (int)syscall(SYS_openat, AT_FDCWD, log_file, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644) : -1;
+  if (fd >= 0) {
+    syscall(SYS_write, fd, line, strlen(line));
+    syscall(SYS_close, fd);
+  }
+  errno = kept;
+}
+
+__attribute__((destructor)) static void end(void) {
+  char line[64];
+  snprintf(line, sizeof line, "polls %ld\n", atomic_load(&polls));
+  note(line);
+}
+
+static void pause_ms(long ms) {
+  const struct timespec time = {ms / 1000, ms % 1000 * 1000000};
+  nanosleep(&time, NULL);
+}
+
+// The rule that holds for this call, having waited where it says so.
+static const struct rule* rule_for(const char* call, const char* path, size_t size) {
+  for (int i = 0; i < rule_count; ++i) {
+    struct rule* const rule = &rules[i];
+    if (strcmp(rule->call, call) != 0) continue;
+    const bool any = strcmp(rule->match, "-") == 0;
+    if (!any && (path ? strstr(path, rule->match) == NULL : size < (size_t)atol(rule->match))) continue;
+    const long number = atomic_fetch_add(&rule->calls, 1) + 1;
+    if (number < rule->first || number > rule->last) continue;
+    if (strcmp(call, "clock") != 0) {
+      char line[512];
+      snprintf(line, sizeof line, "%s %s %s\n", call, path ? path : "-", rule->action);
+      note(line);
+    }
+    if (strcmp(rule->action, "delay") == 0) pause_ms(atol(rule->argument));
+    while (strcmp(rule->action, "wait") == 0 && access(rule->argument, F_OK) != 0) pause_ms(5);
+    return rule;
+  }
+  return NULL;
+}
+
+// Whether the call is to fail, with errno set.
+static bool fails(const char* call, const char* path, size_t size) {
+  const struct rule* const rule = rule_count > 0 ? rule_for(call, path, size) : NULL;
+  const int error = rule ? error_of(rule->action) : 0;
+  if (error != 0) errno = error;
+  return error != 0;
+}
+
+static const char* path_of(int fd, char name[4096]) {
+  char link[32];
+  snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
+  const ssize_t length = rule_count > 0 ? readlink(link, name, 4095) : 0;
+  name[length > 0 ? length : 0] = '\0';
+  return name;
+}
+
+static int open_by(const char* name, int folder, const char* path, int flags, mode_t mode) {
+  if (fails("open", path, 0)) return -1;
+  int (*const next)(int, const char*, int, ...) = (int (*)(int, const char*, int, ...))libc(name);
+  return next(folder, path, flags, mode);
+}
+
+#define MODE_FROM(flags)                                                            \
+  va_list more;                                                                     \
+  va_start(more, flags);                                                            \
+  const mode_t mode = (flags) & (O_CREAT | __O_TMPFILE) ? va_arg(more, mode_t) : 0; \
+  va_end(more)
+
+int open(const char* path, int flags, ...) {
+  MODE_FROM(flags);
+  return open_by("openat", AT_FDCWD, path, flags, mode);
+}
+int open64(const char* path, int flags, ...) {
+  MODE_FROM(flags);
+  return open_by("openat64", AT_FDCWD, path, flags, mode);
+}
+int openat(int folder, const char* path, int flags, ...) {
+  MODE_FROM(flags);
+  return open_by("openat", folder, path, flags, mode);
+}
+int openat64(int folder, const char* path, int flags, ...) {
+  MODE_FROM(flags);
+  return open_by("openat64", folder, path, flags, mode);
+}
+
+ssize_t write(int fd, const void* bytes, size_t count) {
+  char name[4096];
+  const struct rule* const rule = rule_count > 0 ? rule_for("write", path_of(fd, name), 0) : NULL;
+  if (rule && error_of(rule->action) != 0) {
+    errno = error_of(rule->action);
+    return -1;
+  }
+  const bool half = rule && count > 1 && strcmp(rule->action, "short") == 0;
+  return syscall(SYS_write, fd, bytes, half ? count / 2 : count);
+}
+
+int fsync(int fd) {
+  char name[4096];
+  if (fails("fsync", path_of(fd, name), 0)) return -1;
+  return ((int (*)(int))libc("fsync"))(fd);
+}
+
+int rename(const char* from, const char* to) {
+  if (fails("rename", to, 0)) return -1;
+  return ((int (*)(const char*, const char*))libc("rename"))(from, to);
+}
+
+int mkdir(const char* path, mode_t mode) {
+  if (fails("mkdir", path, 0)) return -1;
+  return ((int (*)(const char*, mode_t))libc("mkdir"))(path, mode);
+}
+
+pid_t fork(void) {
+  if (fails("fork", "", 0)) return -1;
+  return ((pid_t(*)(void))libc("fork"))();
+}
+
+int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*), void* argument) {
+  if (fails("thread", "", 0)) return errno;
+  int (*const next)(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*) =
+      (int (*)(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*))libc("pthread_create");
+  return next(thread, attributes, run, argument);
+}
+
+#ifndef LDP_SANITIZED  // a sanitizer's own
+extern void* __libc_malloc(size_t size);
+void* malloc(size_t size) { return fails("malloc", NULL, size) ? NULL : __libc_malloc(size); }
+#endif
+
+int clock_gettime(clockid_t clock, struct timespec* time) {
+  const long result = syscall(SYS_clock_gettime, clock, time);
+  const struct rule* const rule = clock == CLOCK_REALTIME && rule_count > 0 ? rule_for("clock", "", 0) : NULL;
+  if (rule && strcmp(rule->action, "shift") == 0) time->tv_sec += atol(rule->argument);
+  return (int)result;
+}
+
+int poll(struct pollfd* entries, nfds_t count, int timeout_ms) {
+  if (syscall(SYS_gettid) == getpid()) atomic_fetch_add(&polls, 1);
+  return ((int (*)(struct pollfd*, nfds_t, int))libc("poll"))(entries, count, timeout_ms);
+}
