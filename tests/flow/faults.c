@@ -2,7 +2,7 @@
 //
 //   LDP_FAULTS     rules separated by ';', each CALL MATCH WHICH ACTION [ARGUMENT]:
 //     CALL         open write fsync rename mkdir fork thread malloc clock
-//     MATCH        part of the file's path ('-' = any); of malloc: the least size in bytes
+//     MATCH        part of the file's path, its end before '$' ('-' = any); of malloc: the least size in bytes
 //     WHICH        3 = the third such call of the process, 3+ = that and all later ones, * = all
 //     ACTION       an errno by name (ENOSPC ...); short (half of a write); delay MILLISECONDS; wait FILE (until the
 //     file
@@ -102,13 +102,21 @@ static void pause_ms(long ms) {
   nanosleep(&time, NULL);
 }
 
+static bool matches(const char* match, const char* path, size_t size) {
+  if (strcmp(match, "-") == 0) return true;
+  if (!path) return size >= (size_t)atol(match);
+  const size_t length = strlen(match);
+  if (match[length - 1] != '$') return strstr(path, match) != NULL;
+  const size_t all = strlen(path);
+  return all + 1 >= length && strncmp(path + all + 1 - length, match, length - 1) == 0;
+}
+
 // The rule that holds for this call, having waited where it says so.
 static const struct rule* rule_for(const char* call, const char* path, size_t size) {
   for (int i = 0; i < rule_count; ++i) {
     struct rule* const rule = &rules[i];
     if (strcmp(rule->call, call) != 0) continue;
-    const bool any = strcmp(rule->match, "-") == 0;
-    if (!any && (path ? strstr(path, rule->match) == NULL : size < (size_t)atol(rule->match))) continue;
+    if (!matches(rule->match, path, size)) continue;
     const long number = atomic_fetch_add(&rule->calls, 1) + 1;
     if (number < rule->first || number > rule->last) continue;
     if (strcmp(call, "clock") != 0) {
