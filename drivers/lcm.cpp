@@ -229,7 +229,11 @@ class LcmStatus final : public StatusChannel {
     publish_bytes(inbox_.connection(), kMessageChannels[message.index()], encode_message(message));
   }
   int fd() const override { return inbox_.fd(); }
-  std::optional<Command> read() override { return inbox_.take(); }
+  std::optional<Command> read() override {
+    auto command = inbox_.take();
+    if (!command && inbox_.ended()) throw std::runtime_error("the connection broke");
+    return command;
+  }
   int64_t ignored() const override { return inbox_.ignored(); }
 
  private:

@@ -1,4 +1,5 @@
 #include <fcntl.h>
+#include <poll.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -36,13 +37,24 @@ class KeyboardButton final : public Button {
       events_.push_back({true, monotonic_now_ns()});
       events_.push_back({false, monotonic_now_ns()});
     }
-    if (events_.empty()) return std::nullopt;
+    if (events_.empty()) {
+      refuse_hung_up();
+      return std::nullopt;
+    }
     const ButtonEvent event = events_.front();
     events_.pop_front();
     return event;
   }
 
  private:
+  // Reading gives nothing, at once and for ever, once the other end is gone.
+  static void refuse_hung_up() {
+    pollfd entry{STDIN_FILENO, POLLIN, 0};
+    if (::poll(&entry, 1, 0) == 1 && (entry.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0) {
+      throw std::runtime_error("keyboard: the terminal has hung up");
+    }
+  }
+
   termios before_{};
   std::deque<ButtonEvent> events_;
 };

@@ -510,8 +510,17 @@ void CaptureSession::serve_button() {
     log_warning(std::string("the button was lost: ") + error.what());
     button_.reset();
     pressed_since_ns_.reset();
+    if (phase_ == Phase::idle && run_ != Run::service)
+      return give_up(std::string("the button was lost: ") + error.what());
     if (phase_ == Phase::idle) say(ready_text());
   }
+}
+
+// Of a single run that waits for what will not come.
+void CaptureSession::give_up(const std::string& why) {
+  last_failure_ = why;
+  exit_status_ = 1;
+  stopping_ = true;
 }
 
 void CaptureSession::button_changed(const ButtonEvent& event) {

@@ -89,6 +89,7 @@ class CaptureSession {
   void open_button_again(int64_t now_ns);
   void open_statuses_again();
   void serve_button();
+  void give_up(const std::string& why);
   void button_changed(const ButtonEvent& event);
   void serve_camera();
   void serve_writer();

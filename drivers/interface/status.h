@@ -63,9 +63,9 @@ class StatusChannel {
  public:
   virtual ~StatusChannel() = default;
   virtual void publish(const StatusMessage& message) = 0;
-  virtual int fd() const { return -1; }  // readable when `read` may give something; -1 = never
-  virtual std::optional<Command> read() { return std::nullopt; }
-  virtual int64_t ignored() const { return 0; }  // malformed or unknown messages so far
+  virtual int fd() const { return -1; }                           // readable when `read` may give something; -1 = never
+  virtual std::optional<Command> read() { return std::nullopt; }  // throws std::runtime_error when lost
+  virtual int64_t ignored() const { return 0; }                   // malformed or unknown messages so far
 };
 
 // The other end: what `ldp watch` reads. Only lcm: URLs can be listened to, log files (lcm:file://LOG?speed=0)

@@ -1,4 +1,6 @@
 // What the service and `ldp capture` do when the system refuses, hangs or goes away under them. Calls fail by faults.c.
+#include <fcntl.h>
+
 #include "ldpd.h"
 
 namespace ldp {
@@ -35,6 +37,62 @@ TEST_F(LdpdTest, TheFirstInterruptionOfLdpCaptureStoresWhatWasTakenAndTheSecondL
   EXPECT_LT(Clock::now() - begin, milliseconds(2000));
   EXPECT_EQ(frames_in(room_ / "two"), 3);
   for (const auto& entry : fs::directory_iterator(room_ / "two")) EXPECT_NE(entry.path().extension(), ".tmp");
+}
+
+// What faults.c counted: how often the main thread asked for events.
+int polls_in(const fs::path& log) {
+  const std::string text = text_of(log);
+  const size_t at = text.rfind("polls ");
+  return at == std::string::npos ? -1 : std::atoi(text.c_str() + at + 6);
+}
+
+// A terminal of which this process is the other end.
+class Terminal {
+ public:
+  Terminal() : master_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
+    if (master_ < 0 || ::grantpt(master_) != 0 || ::unlockpt(master_) != 0) throw std::runtime_error("no terminal");
+    slave_ = ::open(::ptsname(master_), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  }
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+  ~Terminal() { hang_up(); }
+
+  void become_input() const { ::dup2(slave_, STDIN_FILENO); }
+  void type(const char* key) const { EXPECT_EQ(::write(master_, key, 1), 1); }
+  void hang_up() {
+    for (int* const fd : {&slave_, &master_}) {
+      if (*fd >= 0) ::close(std::exchange(*fd, -1));
+    }
+  }
+
+ private:
+  int master_, slave_ = -1;
+};
+
+TEST_F(LdpdTest, AKeyboardThatHangsUpIsLostAndDoesNotKeepTheServiceAwake) {
+  Terminal terminal;
+  std::vector<std::string> words = command({"--status", "console:"});
+  words[6] = "keyboard:";
+  Process service(with_faults("", words), room_ / "said", [&] { terminal.become_input(); });
+  ASSERT_TRUE(service.says("idle: ready"));
+  terminal.hang_up();
+  EXPECT_TRUE(service.says("the button was lost", 5)) << text_of(room_ / "said");
+  std::this_thread::sleep_for(milliseconds(1500));
+  EXPECT_EQ(service.stop(SIGTERM).status, 0);
+  EXPECT_GT(polls_in(room_ / "faults"), 0);
+  EXPECT_LT(polls_in(room_ / "faults"), 60);
+}
+
+TEST_F(LdpdTest, AKeyboardThatHangsUpEndsASingleRunThatWaitsForIt) {
+  Terminal terminal;
+  Process waiting({LDP_DEVICE_PROGRAM, "capture", "--camera", "folder:" + (room_ / "frames").string(), "--status",
+                   "console:", "-o", (room_ / "one").string()},
+                  room_ / "said", [&] { terminal.become_input(); });
+  ASSERT_TRUE(waiting.says("ready"));
+  terminal.hang_up();
+  EXPECT_TRUE(waiting.says("ldp capture: the button was lost", 5)) << text_of(room_ / "said");
+  EXPECT_EQ(waiting.stop(SIGKILL).status, 1);
+  EXPECT_FALSE(fs::exists(room_ / "one"));
 }
 
 }  // namespace
