@@ -63,6 +63,7 @@ struct ChildEnds {
   if (oom >= 0) {
     [[maybe_unused]] const ssize_t written = ::write(oom, "800", 3);
   }
+  ::signal(SIGPIPE, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -174,7 +175,9 @@ void BuildChild::tell(const std::string& line) {
 std::optional<BuildEnd> BuildChild::end() {
   if (end_) return end_;
   int status = 0;
-  if (::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+  const pid_t ended = ::waitpid(pid_, &status, WNOHANG);
+  if (ended < 0 && errno == ECHILD) return end_ = BuildEnd{false, "the system did not tell how the build ended", true};
+  if (ended != pid_) return std::nullopt;
   read_errors();
   const bool ok = WIFEXITED(status) && WEXITSTATUS(status) == 0;
   const bool verdict = WIFEXITED(status) && WEXITSTATUS(status) <= 1;

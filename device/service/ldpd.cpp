@@ -1,5 +1,6 @@
 // ldpd: the capture service. Button pressed, arm turned, button released: a finished .ldp.
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -94,6 +95,8 @@ int serve(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGCHLD, SIG_DFL);  // a parent that ignored it left us so, and no build's end would be told
+  std::signal(SIGPIPE, SIG_IGN);  // who read our standard error may be gone
   CLI::App app("The capture service of the layered-depth-panorama camera: press, turn, release.", "ldpd");
   Arguments arguments;
   declare(app, arguments);

@@ -1,6 +1,8 @@
 // What the service and `ldp capture` do when the system refuses, hangs or goes away under them. Calls fail by faults.c.
 #include <fcntl.h>
+#include <poll.h>
 
+#include "build_child.h"
 #include "ldpd.h"
 
 namespace ldp {
@@ -93,6 +95,46 @@ TEST_F(LdpdTest, AKeyboardThatHangsUpEndsASingleRunThatWaitsForIt) {
   EXPECT_TRUE(waiting.says("ldp capture: the button was lost", 5)) << text_of(room_ / "said");
   EXPECT_EQ(waiting.stop(SIGKILL).status, 1);
   EXPECT_FALSE(fs::exists(room_ / "one"));
+}
+
+TEST_F(LdpdTest, AParentThatIgnoresTheEndOfChildrenHidesNoBuildFromTheService) {
+  script(kUntilTheCameraEnds);
+  Process service(with_faults("", command({"--once"}, "&hold=no")), room_ / "said", [] { ::signal(SIGCHLD, SIG_IGN); });
+  for (int i = 0; i < 3000 && service.runs(); ++i) std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_FALSE(service.runs()) << text_of(room_ / "said");
+  EXPECT_EQ(service.stop(SIGTERM).status, 0);
+  EXPECT_TRUE(fs::exists(panorama()));
+  EXPECT_LT(polls_in(room_ / "faults"), 1000);
+}
+
+// Where the program that uses it lets the kernel forget how children ended.
+TEST(BuildChildTest, ABuildWhoseEndNobodyKeptIsOver) {
+  ::signal(SIGCHLD, SIG_IGN);
+  BuildCommand command;
+  command.program = "/bin/true";
+  BuildChild child(command);
+  pollfd entry{child.end_fd(), POLLIN, 0};
+  EXPECT_EQ(::poll(&entry, 1, 10'000), 1);
+  std::optional<BuildEnd> end;
+  for (int i = 0; i < 200 && !end; ++i) {
+    end = child.end();
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  ::signal(SIGCHLD, SIG_DFL);
+  ASSERT_TRUE(end.has_value());
+  EXPECT_FALSE(end->ok);
+  EXPECT_TRUE(end->retry);
+}
+
+TEST_F(LdpdTest, StandardErrorThatNobodyReadsAnyMoreEndsNothing) {
+  script(kUntilTheCameraEnds);
+  int ends[2];
+  ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+  Process service(command({"--once", "--status", "console:"}, "&hold=no"), room_ / "said",
+                  [&] { ::dup2(ends[1], STDERR_FILENO); });
+  for (const int end : ends) ::close(end);
+  EXPECT_EQ(service.wait().status, 0);
+  EXPECT_TRUE(fs::exists(panorama()));
 }
 
 }  // namespace
