@@ -14,6 +14,7 @@
 #include "core/photos/images.h"
 #include "drivers/interface/clocks.h"
 #include "drivers/interface/errors.h"
+#include "device/capture/log.h"
 
 namespace ldp {
 namespace {
@@ -51,12 +52,14 @@ std::string read_text(const fs::path& file) {
   return {bytes.begin(), bytes.end()};
 }
 
+// Links that loop and files that cannot be removed are left alone.
 void remove_temporaries(const fs::path& folder) {
   std::vector<fs::path> files;
+  std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file() && entry.path().extension() == ".tmp") files.push_back(entry.path());
+    if (entry.path().extension() == ".tmp" && entry.is_regular_file(error)) files.push_back(entry.path());
   }
-  for (const fs::path& file : files) fs::remove(file);
+  for (const fs::path& file : files) fs::remove(file, error);
 }
 
 int count_frames(const fs::path& folder) {
@@ -142,9 +145,15 @@ std::vector<CaptureState> CaptureStore::recover() const {
   std::vector<CaptureState> captures;
   for (const auto& entry : fs::directory_iterator(output_)) {
     const std::string name = entry.path().filename().string();
-    if (!entry.is_directory() || !number_of(name)) continue;
-    remove_temporaries(entry.path());
-    captures.push_back({name, count_frames(entry.path()), fs::exists(panorama_of(name)), read_build_record(name)});
+    std::error_code error;
+    if (!number_of(name) || !entry.is_directory(error)) continue;
+    try {
+      remove_temporaries(entry.path());
+      const bool built = fs::exists(panorama_of(name), error);
+      captures.push_back({name, count_frames(entry.path()), built, read_build_record(name)});
+    } catch (const std::exception& problem) {
+      log_warning(std::string(problem.what()) + ": " + name + " is left alone");
+    }
   }
   std::sort(captures.begin(), captures.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
   return captures;
@@ -181,7 +190,8 @@ void CaptureStore::publish_panorama(const std::string& name) const {
   if (!fd.is_open() || ::fsync(fd.get()) != 0) throw_errno("the build left no panorama: " + from.string());
   fs::rename(from, to);
   sync_folder(output_);
-  forget_build_record(name);
+  std::error_code ignored;  // beside a panorama a record of builds says nothing
+  fs::remove(folder_of(name) / "build.json", ignored);
 }
 
 void CaptureStore::write_build_record(const std::string& name, const BuildRecord& record) const {

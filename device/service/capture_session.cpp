@@ -246,8 +246,7 @@ void CaptureSession::begin_sweep() {
     sweep_begin_ns_ = monotonic_now_ns();
     say("capturing: turn slowly, arm stretched out");
   } catch (const std::exception& error) {
-    const std::string unused = std::exchange(capture_, {});
-    if (!unused.empty() && run_ != Run::capture_only) store_.discard(unused);
+    discard(std::exchange(capture_, {}));
     handle(Event::sweep_refused, error.what());
   }
 }
@@ -274,11 +273,19 @@ void CaptureSession::abandon_sweep() {
     while (writer_.take()) {
     }
   }
-  if (run_ != Run::capture_only) store_.discard(capture_);
+  discard(std::exchange(capture_, {}));
   give_memory_back();
   frames_stored_ = 0;
   say("the sweep was cancelled; its frames were removed");
-  capture_.clear();
+}
+
+void CaptureSession::discard(const std::string& capture) {
+  if (capture.empty() || run_ == Run::capture_only) return;
+  try {
+    store_.discard(capture);
+  } catch (const std::exception& error) {
+    log_warning(error.what());
+  }
 }
 
 // The last frame is on disk: on to the build.
@@ -309,13 +316,7 @@ void CaptureSession::leave_in_order() {
     pollfd entry{writer_.fd(), POLLIN, 0};
     ::poll(&entry, 1, 1000);
   }
-  try {
-    const bool has_nothing = frames_stored_ == 0 && storage_problem_.empty();
-    const std::string unused = in_sweep && has_nothing ? std::exchange(capture_, {}) : std::string();
-    if (!unused.empty() && run_ != Run::capture_only) store_.discard(unused);
-  } catch (const std::exception& error) {
-    log_warning(error.what());
-  }
+  if (in_sweep && frames_stored_ == 0 && storage_problem_.empty()) discard(std::exchange(capture_, {}));
   if (run_ == Run::service) return;
   const std::string kept =
       capture_.empty() ? "nothing was kept"
@@ -399,12 +400,16 @@ void CaptureSession::stop_build(bool cancelled) {
   build_.reset();
   if (capture_.empty() || run_ == Run::capture_only) return;
   if (sweep_closing_ && !cancelled) return;  // not begun yet
-  store_.clear_building();
-  BuildRecord record = store_.read_build_record(capture_);
-  record.interruptions = std::max(0, record.interruptions - 1);
-  record.cancelled = cancelled;
-  if (cancelled) record.reason = "cancelled";
-  store_.write_build_record(capture_, record);
+  try {
+    store_.clear_building();
+    BuildRecord record = store_.read_build_record(capture_);
+    record.interruptions = std::max(0, record.interruptions - 1);
+    record.cancelled = cancelled;
+    if (cancelled) record.reason = "cancelled";
+    store_.write_build_record(capture_, record);
+  } catch (const std::exception& error) {
+    log_warning(std::string(error.what()) + ": the next start builds " + capture_ + " again");
+  }
   if (cancelled) say("the build was cancelled; the frames are kept in " + capture_);
 }
 
@@ -558,10 +563,14 @@ void CaptureSession::obey(Command command) {
 void CaptureSession::retry_failed() {
   if (run_ != Run::service || build_ || sweep_ || sweep_closing_) return;
   backlog_.clear();
-  for (const CaptureState& capture : store_.recover()) {
-    if (capture.built || capture.frames < config_.min_frames) continue;
-    store_.forget_build_record(capture.name);
-    backlog_.push_back(capture.name);
+  try {
+    for (const CaptureState& capture : store_.recover()) {
+      if (capture.built || capture.frames < config_.min_frames) continue;
+      store_.forget_build_record(capture.name);
+      backlog_.push_back(capture.name);
+    }
+  } catch (const std::exception& error) {
+    log_warning(error.what());
   }
   next_tick_ns_ = 0;
 }

@@ -80,6 +80,7 @@ class CaptureSession {
   void continue_after_sweep();
   std::string why_so_few() const;
   void leave_in_order();
+  void discard(const std::string& capture);
   void fail_build(const std::string& reason, bool retry);
   BuildCommand build_command(bool follows) const;
   void follow(const std::string& stored_file);

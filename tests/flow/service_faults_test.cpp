@@ -2,7 +2,7 @@
 #include <fcntl.h>
 #include <poll.h>
 
-#include "build_child.h"
+#include "device/service/build_child.h"
 #include "ldpd.h"
 
 namespace ldp {
@@ -135,6 +135,42 @@ TEST_F(LdpdTest, StandardErrorThatNobodyReadsAnyMoreEndsNothing) {
   for (const int end : ends) ::close(end);
   EXPECT_EQ(service.wait().status, 0);
   EXPECT_TRUE(fs::exists(panorama()));
+}
+
+// The folder's third flush is that of a cancelled sweep's removal.
+TEST_F(LdpdTest, AStorageErrorWhileASweepIsCancelledIsSaidAndTheNextOneWorks) {
+  configure("mode = \"toggle\"\nmin_frames = 3\n");
+  script("press wait 3300 release wait 300 press wait 10 release wait 1500 press wait 10 release");
+  Process service(with_faults("fsync /out$ 3 EIO", command({"--status", "console:"})), room_ / "said");
+  EXPECT_TRUE(service.says("sweep_000002.ldp is ready", 30)) << text_of(room_ / "said");
+  const Finished end = service.stop(SIGTERM);
+  EXPECT_EQ(end.status, 0);
+  EXPECT_THAT(end.said, HasSubstr("Input/output error"));
+  EXPECT_FALSE(fs::exists(capture(1)));
+}
+
+TEST_F(LdpdTest, AStorageErrorWhileABuildIsCancelledOrLeftIsSaidAndTheServiceGoesOn) {
+  configure("mode = \"toggle\"\nmin_frames = 3\n");
+  build_program("[ -e \"$capture.go\" ] || exec sleep 600");
+  script("press wait 10 release wait 1500 press wait 10 release wait 1000 press wait 3300 release");
+  Process service(with_faults("write build.json 2+ ENOSPC", command({"--status", "console:"})), room_ / "said");
+  EXPECT_TRUE(service.says("idle: the build was cancelled", 30)) << text_of(room_ / "said");
+  EXPECT_TRUE(service.runs());
+  EXPECT_EQ(service.stop(SIGTERM).status, 0);
+  EXPECT_THAT(text_of(room_ / "said"), HasSubstr("No space left on device"));
+  EXPECT_GE(frames_in(capture()), 3);
+}
+
+TEST_F(LdpdTest, LinksThatLoopInTheOutputFolderDoNotKeepItFromStarting) {
+  fs::create_directories(room_ / "out" / "sweep_000003");
+  for (const char* const name : {"loop", "loop.tmp", "sweep_000001", "sweep_000002.ldp", "sweep_000003.ldp",
+                                 "sweep_000003/frame_000.jpg", "sweep_000003/x.tmp", "sweep_000003/build.json"}) {
+    const fs::path link = room_ / "out" / name;
+    fs::create_symlink(link.filename(), link);
+  }
+  Process service(command({"--status", "console:"}), room_ / "said");
+  EXPECT_TRUE(service.says("sweep_000004.ldp is ready", 30)) << text_of(room_ / "said");
+  EXPECT_EQ(service.stop(SIGTERM).status, 0);
 }
 
 }  // namespace
