@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <random>
 #include <system_error>
-#include <utility>
 
 #include "core/photos/images.h"
 
@@ -57,42 +56,13 @@ void write_all(const Descriptor& descriptor, std::span<const uint8_t> bytes, con
   }
 }
 
-// A file beside `target` that goes away again unless it is renamed.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const fs::path& target) : target_(target) {
-    std::random_device random;
-    do {
-      std::string name = target.filename().string();
-      name.insert(name.begin(), '.');
-      path_ = target.parent_path() / (name + "." + std::to_string(random()) + ".tmp");
-      fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    } while (fd_ < 0 && errno == EEXIST);
-    if (fd_ < 0) fail("cannot write", target_);
-  }
-  ~TemporaryFile() {
-    if (fd_ >= 0) ::close(fd_);
-    if (!renamed_) ::unlink(path_.c_str());
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-
-  void write(std::span<const uint8_t> bytes) {
-    Descriptor descriptor(std::exchange(fd_, -1));
-    write_all(descriptor, bytes, target_);
-    if (::fsync(descriptor.get()) != 0) fail("cannot write", target_);
-    if (descriptor.reset() != 0) fail("cannot write", target_);
-  }
-  void rename() {
-    if (::rename(path_.c_str(), target_.c_str()) != 0) fail("cannot write", target_);
-    renamed_ = true;
-  }
-
- private:
-  fs::path target_, path_;
-  int fd_ = -1;
-  bool renamed_ = false;
-};
+fs::path beside(const fs::path& target) {
+  std::random_device random;
+  const uint64_t number = uint64_t{random()} << 32 | random();
+  std::string name = target.filename().string();
+  name.insert(name.begin(), '.');
+  return target.parent_path() / name.append(".").append(std::to_string(number)).append(".tmp");
+}
 
 void sync_folder(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
@@ -128,11 +98,34 @@ void write_file(const fs::path& file, std::span<const uint8_t> bytes) {
     if (!descriptor.valid()) fail("cannot write", file);
     return write_all(descriptor, bytes, file);
   }
-  const fs::path target = fs::exists(status) ? fs::canonical(file) : file;  // a link stays a link
-  TemporaryFile temporary(target);
-  temporary.write(bytes);
-  temporary.rename();
-  sync_folder(target);
+  PartialFile partial(file);
+  partial.write(bytes);
+  partial.finish();
+}
+
+PartialFile::PartialFile(const fs::path& target) {
+  std::error_code error;
+  target_ = fs::exists(target, error) ? fs::canonical(target) : target;
+  path_ = beside(target_);
+}
+
+PartialFile::~PartialFile() {
+  if (begun_) ::unlink(path_.c_str());
+}
+
+void PartialFile::write(std::span<const uint8_t> bytes) {
+  Descriptor descriptor(::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  if (!descriptor.valid()) fail("cannot write", target_);
+  begun_ = true;
+  write_all(descriptor, bytes, target_);
+  if (::fsync(descriptor.get()) != 0) fail("cannot write", target_);
+  if (descriptor.reset() != 0) fail("cannot write", target_);
+}
+
+void PartialFile::finish() {
+  if (::rename(path_.c_str(), target_.c_str()) != 0) fail("cannot write", target_);
+  begun_ = false;
+  sync_folder(target_);
 }
 
 MappedFile::MappedFile(const fs::path& file) {

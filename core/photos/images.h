@@ -82,6 +82,23 @@ Plane<float> decode_pfm(std::span<const uint8_t> bytes, const std::string& name_
 std::vector<uint8_t> read_file(const std::filesystem::path& file);
 void write_file(const std::filesystem::path& file, std::span<const uint8_t> bytes);
 
+// What write_file does, step by step: a file under a temporary name beside its own, gone again unless it is finished.
+// All throw as write_file does.
+class PartialFile {
+ public:
+  explicit PartialFile(const std::filesystem::path& target);  // makes nothing yet; a link stays a link
+  ~PartialFile();
+  PartialFile(const PartialFile&) = delete;
+  PartialFile& operator=(const PartialFile&) = delete;
+  const std::filesystem::path& path() const { return path_; }  // the temporary one
+  void write(std::span<const uint8_t> bytes);                  // all of it, once, and flushes it
+  void finish();                                               // gives it its name for good
+
+ private:
+  std::filesystem::path target_, path_;
+  bool begun_ = false;
+};
+
 // A file's bytes without reading it as a whole. The file must not be cut short while it is mapped.
 class MappedFile {
  public:

@@ -197,6 +197,24 @@ constexpr bool kCanPreload = false;
 constexpr bool kCanPreload = true;
 #endif
 
+std::vector<std::string> with_faults(const std::string& rules) {
+  return {"env", "LD_PRELOAD=" LDP_FAULTS, "LDP_FAULTS=" + rules, "LDP_FAULTS_IN=ldp"};
+}
+
+TEST_F(Outputs, AnInterruptedExportLeavesNoTemporaryFileHoweverSlowTheDisk) {
+  if (!kCanPreload) GTEST_SKIP() << "nothing can be preloaded before a sanitized program";
+  const std::string file = small_panorama();
+  const auto before = contents();
+  const Running exporting({"export", file, "-o", path("a.html")}, room_,
+                          with_faults("fsync .html * wait " + path("never")));
+  for (int i = 0; i < 2000 && contents() == before; ++i) ::usleep(5000);
+  EXPECT_NE(contents(), before);
+  ::usleep(100'000);
+  exporting.interrupt();
+  EXPECT_EQ(exporting.wait().status, 130);
+  EXPECT_EQ(contents(), before);
+}
+
 TEST_F(Outputs, MemoryThatEndsInALibrarysThreadIsToldInALineAndOtherEndsAreNotHidden) {
   if (!kCanPreload) GTEST_SKIP() << "nothing can be preloaded before a sanitized program";
   const auto while_a_thread_throws = [&](const std::string& what) {

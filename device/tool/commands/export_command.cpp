@@ -41,7 +41,7 @@ int run(const ExportCommand& command, const Session& session) {
   const LayeredPanorama panorama = read_panorama(command.file, job);
   const std::vector<uint8_t> exported = export_as(command.output, panorama, command.options, job);
   job.check();
-  write_file(command.output, exported);
+  write_output(command.output, exported);
   bar.reset();
   if (!session.json) std::printf("%s: %s\n", command.output.c_str(), size_text(exported.size()).c_str());
   return kDone;
