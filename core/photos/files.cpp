@@ -64,14 +64,15 @@ fs::path beside(const fs::path& target) {
   return target.parent_path() / name.append(".").append(std::to_string(number)).append(".tmp");
 }
 
-void sync_folder(const fs::path& file) {
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  // Some file systems cannot sync folders (EINVAL): the rename is as safe there as it can be.
-  if (!descriptor.valid() || (::fsync(descriptor.get()) != 0 && errno != EINVAL)) fail("cannot write", file);
-}
-
 }  // namespace
+
+bool sync_folder(const fs::path& folder) {
+  const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!descriptor.valid()) fail("cannot open the folder", folder);
+  if (::fsync(descriptor.get()) == 0) return true;
+  if (errno != EINVAL && errno != ENOTSUP && errno != ENOSYS) fail("cannot flush the folder", folder);
+  return false;
+}
 
 std::vector<uint8_t> read_file(const fs::path& file) {
   const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
@@ -125,7 +126,7 @@ void PartialFile::write(std::span<const uint8_t> bytes) {
 void PartialFile::finish() {
   if (::rename(path_.c_str(), target_.c_str()) != 0) fail("cannot write", target_);
   begun_ = false;
-  sync_folder(target_);
+  sync_folder(target_.has_parent_path() ? target_.parent_path() : fs::path("."));
 }
 
 MappedFile::MappedFile(const fs::path& file) {

@@ -82,6 +82,10 @@ Plane<float> decode_pfm(std::span<const uint8_t> bytes, const std::string& name_
 std::vector<uint8_t> read_file(const std::filesystem::path& file);
 void write_file(const std::filesystem::path& file, std::span<const uint8_t> bytes);
 
+// Makes names in a folder last through a power cut. False where the file system knows no such thing (some of FUSE, some
+// network shares): a rename is as safe there as it can be, and nothing is refused. Throws std::system_error.
+bool sync_folder(const std::filesystem::path& folder);
+
 // What write_file does, step by step: a file under a temporary name beside its own, gone again unless it is finished.
 // All throw as write_file does.
 class PartialFile {

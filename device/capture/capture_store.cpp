@@ -86,11 +86,6 @@ std::string utc(int64_t utc_ns) {
 
 }  // namespace
 
-void sync_folder(const fs::path& folder) {
-  const UniqueFd fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!fd.is_open() || ::fsync(fd.get()) != 0) throw_errno("cannot sync the folder " + folder.string());
-}
-
 std::string capture_json(const CaptureRecord& record) {
   Json json;
   json["version"] = 1;
@@ -122,6 +117,9 @@ void CaptureStore::prepare() const {
   fs::create_directories(output_, error);
   if (error) throw std::runtime_error("cannot make the folder " + output_.string() + ": " + error.message());
   if (::access(output_.c_str(), W_OK) != 0) throw_errno("cannot write into " + output_.string());
+  if (sync_folder(output_)) return;
+  log_warning("the file system of " + output_.string() +
+              " cannot flush folders: a power cut may take back what was stored in the last seconds");
 }
 
 UniqueFd CaptureStore::lock() const {

@@ -64,7 +64,8 @@ class CaptureStore {
  public:
   explicit CaptureStore(std::filesystem::path output) : output_(std::move(output)) {}
 
-  void prepare() const;  // makes the folder where it is missing; throws std::system_error if it cannot be written
+  void prepare() const;  // makes the folder where it is missing, warns where folders cannot be flushed;
+                         // throws std::system_error if it cannot be written
 
   // Held as long as the descriptor is open; the kernel lets go of it with the process, however that ends. Throws
   // std::runtime_error if another process holds it.
@@ -94,7 +95,5 @@ class CaptureStore {
 
   std::filesystem::path output_;
 };
-
-void sync_folder(const std::filesystem::path& folder);
 
 }  // namespace ldp

@@ -137,11 +137,11 @@ TEST_F(LdpdTest, StandardErrorThatNobodyReadsAnyMoreEndsNothing) {
   EXPECT_TRUE(fs::exists(panorama()));
 }
 
-// The folder's third flush is that of a cancelled sweep's removal.
+// The folder's fourth flush is that of a cancelled sweep's removal.
 TEST_F(LdpdTest, AStorageErrorWhileASweepIsCancelledIsSaidAndTheNextOneWorks) {
   configure("mode = \"toggle\"\nmin_frames = 3\n");
   script("press wait 3300 release wait 300 press wait 10 release wait 1500 press wait 10 release");
-  Process service(with_faults("fsync /out$ 3 EIO", command({"--status", "console:"})), room_ / "said");
+  Process service(with_faults("fsync /out$ 4 EIO", command({"--status", "console:"})), room_ / "said");
   EXPECT_TRUE(service.says("sweep_000002.ldp is ready", 30)) << text_of(room_ / "said");
   const Finished end = service.stop(SIGTERM);
   EXPECT_EQ(end.status, 0);
@@ -171,6 +171,19 @@ TEST_F(LdpdTest, LinksThatLoopInTheOutputFolderDoNotKeepItFromStarting) {
   Process service(command({"--status", "console:"}), room_ / "said");
   EXPECT_TRUE(service.says("sweep_000004.ldp is ready", 30)) << text_of(room_ / "said");
   EXPECT_EQ(service.stop(SIGTERM).status, 0);
+}
+
+// As FUSE and some network shares are.
+TEST_F(LdpdTest, AFileSystemThatCannotFlushFoldersStoresAllTheSameAndThatIsSaidOnce) {
+  script(kUntilTheCameraEnds);
+  const std::string rules = "fsync /out$ * EINVAL; fsync /sweep_000001$ * EINVAL";
+  const Finished run = Process(with_faults(rules, command({"--once"}, "&hold=no")), room_ / "said").wait();
+  EXPECT_EQ(run.status, 0) << run.said;
+  EXPECT_EQ(frames_in(capture()), 14);
+  EXPECT_TRUE(fs::exists(panorama()));
+  const size_t at = run.said.find("cannot flush folders");
+  ASSERT_NE(at, std::string::npos) << run.said;
+  EXPECT_EQ(run.said.find("cannot flush folders", at + 1), std::string::npos) << run.said;
 }
 
 }  // namespace
