@@ -35,7 +35,11 @@ void parallel_for(const Job& job, int count, const std::function<void(int)>& bod
   {
     std::vector<std::jthread> others;
     const int threads = std::min(job.threads, count);
-    for (int t = 1; t < threads; ++t) others.emplace_back(work);
+    try {
+      for (int t = 1; t < threads; ++t) others.emplace_back(work);
+    } catch (const std::exception&) {
+      // The system has no room for one more: those that there are do the work.
+    }
     work();
   }
   if (failure) std::rethrow_exception(failure);

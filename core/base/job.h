@@ -34,8 +34,8 @@ struct Job {
   }
 };
 
-// Runs body(i) for i in [0, count) on job.threads threads, in no particular order; rethrows the first exception (by
-// index). Checks job.stop between items. `body` must write only to places that belong to item i.
+// Runs body(i) for i in [0, count), in no order, on job.threads threads or as many as there is room for; rethrows the
+// first exception (by index). Checks job.stop between items. `body` must write only to places of item i.
 void parallel_for(const Job& job, int count, const std::function<void(int)>& body);
 
 }  // namespace ldp

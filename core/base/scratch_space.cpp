@@ -16,6 +16,7 @@
 #include <map>
 #include <mutex>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -107,14 +108,20 @@ struct ScratchSpace::Keeper {
   bool over = false;
   std::thread thread;
 
-  Keeper() : thread([this] { run(); }) {}
+  Keeper() {
+    try {
+      thread = std::thread([this] { run(); });
+    } catch (const std::system_error&) {
+      // No room for one more thread: parallel_for looks between its items.
+    }
+  }
   ~Keeper() {
     {
       const std::lock_guard lock(waiting);
       over = true;
     }
     woken.notify_one();
-    thread.join();
+    if (thread.joinable()) thread.join();
   }
 
   void run() {

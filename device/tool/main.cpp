@@ -41,6 +41,7 @@ std::string out_of_memory(const Program& program) {
   std::string remedy = takes("--size") ? "make smaller pictures (--size)" : "free some";
   if (takes("--megapixels")) remedy = "use fewer photos, or smaller ones (--megapixels)";
   if (takes("--memory")) remedy += ", or a coarser panorama (--memory)";
+  if (program.session.threads > 1) remedy += ", or fewer --threads";
   return "not enough memory: " + remedy;
 }
 
@@ -74,8 +75,7 @@ int run(const Program& program) {
   } catch (const std::bad_alloc&) {
     return complain(program, out_of_memory(program), kCannotBeDone);
   } catch (const std::system_error& error) {
-    const bool no_stack = error.code() == std::errc::resource_unavailable_try_again;  // for one more thread
-    return complain(program, no_stack ? out_of_memory(program) + ", or fewer --threads" : error.what(), kCannotBeDone);
+    return complain(program, error.what(), kCannotBeDone);
   } catch (const std::invalid_argument& error) {
     return complain(program, error.what(), kBadInput);
   } catch (const std::runtime_error& error) {
@@ -114,7 +114,7 @@ void return_freed_memory() {
 
 }  // namespace ldp
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   ldp::return_freed_memory();
   ldp::Interrupt interrupt;
   ldp::Program program;
@@ -130,4 +130,7 @@ int main(int argc, char** argv) {
   if (!program.chosen) return parsed;
   const int status = ldp::run(program);
   return interrupt.came() ? ldp::kInterrupted : status;
+} catch (const std::exception& error) {  // before there is a command: no room for the thread that waits for Ctrl-C
+  std::fprintf(stderr, "ldp: cannot start: %s\n", error.what());
+  return ldp::kCannotBeDone;
 }

@@ -215,6 +215,19 @@ TEST_F(Outputs, AnInterruptedExportLeavesNoTemporaryFileHoweverSlowTheDisk) {
   EXPECT_EQ(contents(), before);
 }
 
+TEST_F(Outputs, ABuildGoesOnWithTheThreadsItHas) {
+  if (!kCanPreload) GTEST_SKIP() << "nothing can be preloaded before a sanitized program";
+  const std::vector<uint8_t> wanted = read_file(small_panorama());
+  const std::vector<std::string> words{
+      "build", path("capture"), "-o", path("b.ldp"), "--cameras", path("capture/transforms.json"), "--layers",
+      "1",     "--labels",      "2",  "--threads",   "8"};
+  for (const char* const allowed : {"2", "3", "20"}) {
+    const Outcome built = Running(words, room_, with_faults(std::string("thread - ") + allowed + "+ EAGAIN")).wait();
+    EXPECT_EQ(built.status, 0) << built.err;
+    EXPECT_TRUE(read_file(path("b.ldp")) == wanted);
+  }
+}
+
 TEST_F(Outputs, MemoryThatEndsInALibrarysThreadIsToldInALineAndOtherEndsAreNotHidden) {
   if (!kCanPreload) GTEST_SKIP() << "nothing can be preloaded before a sanitized program";
   const auto while_a_thread_throws = [&](const std::string& what) {
