@@ -168,6 +168,7 @@ struct Session {
   std::unique_ptr<libcamera::FrameBufferAllocator> allocator;
   std::map<const libcamera::FrameBuffer*, std::unique_ptr<MappedBuffer>> mapped;
   std::vector<std::unique_ptr<libcamera::Request>> requests;
+  int generation = 0;  // of the requests; frames of an earlier one may still be held, and give nothing back
   CompletedRequests completed;
   libcamera::ControlList pending_controls;  // for the next request
   bool running = false;
@@ -196,8 +197,8 @@ struct Session {
     completed.clear();
   }
 
-  void give_back(libcamera::Request* request) {
-    if (!running) return;
+  void give_back(libcamera::Request* request, int its_generation) {
+    if (!running || its_generation != generation) return;
     request->reuse(libcamera::Request::ReuseBuffers);
     request->controls() = std::exchange(pending_controls, libcamera::ControlList(libcamera::controls::controls));
     camera->queueRequest(request);
@@ -268,7 +269,7 @@ class LibcameraCamera final : public CameraDevice {
     while (libcamera::Request* const request = session_->completed.take()) {
       if (request->status() == libcamera::Request::RequestCancelled) continue;
       if (auto frame = frame_from(*request)) return frame;
-      session_->give_back(request);
+      session_->give_back(request, session_->generation);
     }
     if (session_->completed.disconnected()) throw CameraLost("camera '" + name() + "': it was disconnected");
     return std::nullopt;
@@ -351,6 +352,7 @@ class LibcameraCamera final : public CameraDevice {
   void make_requests() {
     libcamera::Stream* const stream = session_->configuration->at(0).stream();
     session_->requests.clear();
+    ++session_->generation;
     for (const auto& buffer : session_->allocator->buffers(stream)) {
       std::unique_ptr<libcamera::Request> request = session_->camera->createRequest();
       if (!request || request->addBuffer(stream, buffer.get()) != 0) {
@@ -374,7 +376,9 @@ class LibcameraCamera final : public CameraDevice {
     frame.time_ns = metadata.timestamp != 0 ? static_cast<int64_t>(metadata.timestamp) : monotonic_now_ns();
     read_exposure(request.metadata(), frame);
     frame.lease = std::shared_ptr<const void>(
-        &request, [session = session_, returned = &request](const void*) { session->give_back(returned); });
+        &request, [session = session_, returned = &request, generation = session_->generation](const void*) {
+          session->give_back(returned, generation);
+        });
     return frame;
   }
 

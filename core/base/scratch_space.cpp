@@ -49,8 +49,9 @@ size_t& budget() {
 
 class File {
  public:
-  // Without a name from the beginning: nothing stays when the process dies.
-  explicit File(const std::string& in) {
+  // Without a name from the beginning, or nearly so where the file system cannot: nothing stays when the process dies.
+  explicit File(const std::string& in) : descriptor_(::open(in.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600)) {
+    if (descriptor_ >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != ENOENT)) return;
     std::string name = in + "/.scratch-XXXXXX";
     descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
     if (descriptor_ >= 0) ::unlink(name.c_str());

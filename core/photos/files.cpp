@@ -47,6 +47,23 @@ size_t size_of(const Descriptor& descriptor, const fs::path& file) {
   return static_cast<size_t>(status.st_size);
 }
 
+// Signals may cut these short on network shares and FUSE.
+int open_file(const fs::path& file, int flags, mode_t mode = 0) {
+  int fd = -1;
+  do {
+    fd = ::open(file.c_str(), flags | O_CLOEXEC, mode);
+  } while (fd < 0 && errno == EINTR);
+  return fd;
+}
+
+int flush(const Descriptor& descriptor) {
+  int result = 0;
+  do {
+    result = ::fsync(descriptor.get());
+  } while (result != 0 && errno == EINTR);
+  return result;
+}
+
 void write_all(const Descriptor& descriptor, std::span<const uint8_t> bytes, const fs::path& file) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor.get(), bytes.data(), std::min<size_t>(bytes.size(), 1 << 30));
@@ -67,15 +84,15 @@ fs::path beside(const fs::path& target) {
 }  // namespace
 
 bool sync_folder(const fs::path& folder) {
-  const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const Descriptor descriptor(open_file(folder, O_RDONLY | O_DIRECTORY));
   if (!descriptor.valid()) fail("cannot open the folder", folder);
-  if (::fsync(descriptor.get()) == 0) return true;
+  if (flush(descriptor) == 0) return true;
   if (errno != EINVAL && errno != ENOTSUP && errno != ENOSYS) fail("cannot flush the folder", folder);
   return false;
 }
 
 std::vector<uint8_t> read_file(const fs::path& file) {
-  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  const Descriptor descriptor(open_file(file, O_RDONLY));
   if (!descriptor.valid()) fail("cannot read", file);
   std::vector<uint8_t> bytes(size_of(descriptor, file) + 1);
   size_t filled = 0;
@@ -95,7 +112,7 @@ void write_file(const fs::path& file, std::span<const uint8_t> bytes) {
   std::error_code ignored;
   const fs::file_status status = fs::status(file, ignored);
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    const Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CLOEXEC));
+    const Descriptor descriptor(open_file(file, O_WRONLY));
     if (!descriptor.valid()) fail("cannot write", file);
     return write_all(descriptor, bytes, file);
   }
@@ -115,12 +132,11 @@ PartialFile::~PartialFile() {
 }
 
 void PartialFile::write(std::span<const uint8_t> bytes) {
-  Descriptor descriptor(::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  Descriptor descriptor(open_file(path_, O_WRONLY | O_CREAT | O_EXCL, 0666));
   if (!descriptor.valid()) fail("cannot write", target_);
   begun_ = true;
   write_all(descriptor, bytes, target_);
-  if (::fsync(descriptor.get()) != 0) fail("cannot write", target_);
-  if (descriptor.reset() != 0) fail("cannot write", target_);
+  if (flush(descriptor) != 0) fail("cannot write", target_);
 }
 
 void PartialFile::finish() {
@@ -130,7 +146,7 @@ void PartialFile::finish() {
 }
 
 MappedFile::MappedFile(const fs::path& file) {
-  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  const Descriptor descriptor(open_file(file, O_RDONLY));
   if (!descriptor.valid()) fail("cannot read", file);
   size_ = size_of(descriptor, file);
   if (size_ == 0) return;  // an empty mapping is an error to mmap, an empty file is not one to us

@@ -26,64 +26,80 @@ std::string write(const WriteJob& job) {
 
 }  // namespace
 
-FrameWriter::FrameWriter() : event_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
-  if (!event_.is_open()) throw_errno("cannot make an event descriptor");
-  thread_ = std::thread([this] { run(); });
+FrameWriter::FrameWriter() : shared_(std::make_shared<Shared>()) {
+  shared_->event.reset(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
+  if (!shared_->event.is_open()) throw_errno("cannot make an event descriptor");
+  try {
+    thread_ = std::thread([shared = shared_] { run(*shared); });
+  } catch (const std::system_error& error) {
+    throw_errno("cannot start the thread that stores frames", error.code().value());
+  }
 }
 
 FrameWriter::~FrameWriter() {
   {
-    const std::scoped_lock lock(mutex_);
-    ending_ = true;
+    const std::scoped_lock lock(shared_->mutex);
+    shared_->ending = true;
   }
-  wake_.notify_one();
-  thread_.join();
+  shared_->wake.notify_one();
+  if (thread_.joinable()) thread_.join();
 }
 
 void FrameWriter::put(WriteJob job) {
   {
-    const std::scoped_lock lock(mutex_);
-    jobs_.push_back(std::move(job));
-    ++pending_;
+    const std::scoped_lock lock(shared_->mutex);
+    shared_->jobs.push_back(std::move(job));
+    ++shared_->pending;
   }
-  wake_.notify_one();
+  shared_->wake.notify_one();
+}
+
+void FrameWriter::forget(const std::filesystem::path& folder) {
+  const std::scoped_lock lock(shared_->mutex);
+  shared_->pending -= std::erase_if(shared_->jobs, [&](const WriteJob& job) { return job.folder == folder; });
+}
+
+void FrameWriter::leave() {
+  const std::scoped_lock lock(shared_->mutex);
+  shared_->jobs.clear();
+  if (thread_.joinable()) thread_.detach();
 }
 
 std::optional<WriteOutcome> FrameWriter::take() {
-  const std::scoped_lock lock(mutex_);
-  if (outcomes_.empty()) {
+  const std::scoped_lock lock(shared_->mutex);
+  if (shared_->outcomes.empty()) {
     uint64_t count = 0;
-    [[maybe_unused]] const ssize_t got = ::read(event_.get(), &count, sizeof count);
+    [[maybe_unused]] const ssize_t got = ::read(shared_->event.get(), &count, sizeof count);
     return std::nullopt;
   }
-  WriteOutcome outcome = std::move(outcomes_.front());
-  outcomes_.pop_front();
-  --pending_;
+  WriteOutcome outcome = std::move(shared_->outcomes.front());
+  shared_->outcomes.pop_front();
+  --shared_->pending;
   return outcome;
 }
 
 size_t FrameWriter::pending() const {
-  const std::scoped_lock lock(mutex_);
-  return pending_;
+  const std::scoped_lock lock(shared_->mutex);
+  return shared_->pending;
 }
 
-void FrameWriter::run() {
+void FrameWriter::run(Shared& shared) {
   for (;;) {
     WriteJob job;
     {
-      std::unique_lock lock(mutex_);
-      wake_.wait(lock, [this] { return ending_ || !jobs_.empty(); });
-      if (jobs_.empty()) return;
-      job = std::move(jobs_.front());
-      jobs_.pop_front();
+      std::unique_lock lock(shared.mutex);
+      shared.wake.wait(lock, [&] { return shared.ending || !shared.jobs.empty(); });
+      if (shared.jobs.empty()) return;
+      job = std::move(shared.jobs.front());
+      shared.jobs.pop_front();
     }
     WriteOutcome outcome{job.folder, job.file, write(job)};
     {
-      const std::scoped_lock lock(mutex_);
-      outcomes_.push_back(std::move(outcome));
+      const std::scoped_lock lock(shared.mutex);
+      shared.outcomes.push_back(std::move(outcome));
     }
     const uint64_t one = 1;
-    [[maybe_unused]] const ssize_t put = ::write(event_.get(), &one, sizeof one);
+    [[maybe_unused]] const ssize_t put = ::write(shared.event.get(), &one, sizeof one);
   }
 }
 

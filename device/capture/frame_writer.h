@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <deque>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -36,21 +37,28 @@ class FrameWriter {
   FrameWriter& operator=(const FrameWriter&) = delete;
 
   void put(WriteJob job);
-  int fd() const { return event_.get(); }  // readable when `take` may give something
+  void forget(const std::filesystem::path& folder);  // its jobs that are not begun
+  // Leaves the thread to itself and what is queued unwritten: where a disk does not answer, waiting would be for ever.
+  void leave();
+  int fd() const { return shared_->event.get(); }  // readable when `take` may give something
   std::optional<WriteOutcome> take();
   size_t pending() const;  // jobs whose outcome was not taken
 
  private:
-  void run();
+  // With the thread, which may outlive the writer.
+  struct Shared {
+    UniqueFd event;
+    std::mutex mutex;
+    std::condition_variable wake;
+    std::deque<WriteJob> jobs;
+    std::deque<WriteOutcome> outcomes;
+    size_t pending = 0;
+    bool ending = false;
+  };
+  static void run(Shared& shared);
 
-  UniqueFd event_;
-  mutable std::mutex mutex_;
-  std::condition_variable wake_;
-  std::deque<WriteJob> jobs_;
-  std::deque<WriteOutcome> outcomes_;
-  size_t pending_ = 0;
-  bool ending_ = false;
-  std::thread thread_;  // last: runs only while everything else exists
+  std::shared_ptr<Shared> shared_;
+  std::thread thread_;
 };
 
 }  // namespace ldp

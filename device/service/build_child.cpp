@@ -21,6 +21,7 @@ namespace ldp {
 namespace {
 
 constexpr int kProgressFd = 3;
+constexpr int kDeathPatience_ms = 2000;
 constexpr size_t kMaxErrorBytes = 4096;  // the end of what it says is kept
 
 struct Pipe {
@@ -188,8 +189,11 @@ std::optional<BuildEnd> BuildChild::end() {
 void BuildChild::kill() {
   if (end_ || pid_ <= 0) return;
   ::kill(pid_, SIGKILL);
+  // One that waits for a disk that does not answer cannot die: it is left to whoever inherits it.
+  pollfd entry{process_.get(), POLLIN, 0};
+  if (process_.is_open()) ::poll(&entry, 1, kDeathPatience_ms);
   int status = 0;
-  while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+  while (::waitpid(pid_, &status, process_.is_open() ? WNOHANG : 0) < 0 && errno == EINTR) {
   }
   end_ = BuildEnd{false, "the build was stopped", true};
 }

@@ -24,6 +24,7 @@ constexpr int64_t kLongPress_ns = 3 * kSecond_ns;
 constexpr int64_t kRest_ns = 30 * kSecond_ns;  // how long a result stays shown
 constexpr int64_t kGuidanceInterval_ns = kSecond_ns / 5;
 constexpr int64_t kButtonRetry_ns = 2 * kSecond_ns;
+constexpr int kDiskPatience_s = 8;  // at the end, for the next frame to be stored
 constexpr const char* kEndedByButton = "the sweep was ended by the button";
 constexpr const char* kFull = "the sweep is complete";
 constexpr double kDegrees = 57.29577951308232;
@@ -109,7 +110,12 @@ int CaptureSession::run() {
   notice_.ready();
   while (!stopping_) turn();
   notice_.stopping();
-  if (interrupted_) leave_in_order();
+  const bool in_sweep = sweep_closing_;
+  if (interrupted_ && in_sweep && run_ != Run::service) {
+    log_note("interrupted: storing what was taken; once more to leave at once");
+  }
+  store_what_waits();
+  if (interrupted_) leave_in_order(in_sweep);
   tell_ignored(true);
   return exit_status_;
 }
@@ -122,12 +128,12 @@ void CaptureSession::turn() {
   const int timeout_ms = static_cast<int>(std::min<int64_t>(wait_ns / 1'000'000 + 1, 60'000));
   const int ready = ::poll(entries.data(), entries.size(), wait_ns == 0 ? 0 : timeout_ms);
   if (ready < 0 && errno != EINTR) throw_errno("cannot wait for events");
-  // One at a time: serving one may close another.
+  // One at a time: serving one may close another, or open one in its place.
+  const auto unchanged = [&] { return std::ranges::equal(watches(), watched, {}, &Watch::fd, &Watch::fd); };
   for (size_t i = 0; ready > 0 && i < entries.size(); ++i) {
-    if (entries[i].revents != 0) {
-      watched[i].serve();
-      if (watches().size() != watched.size()) break;
-    }
+    if (entries[i].revents == 0) continue;
+    watched[i].serve();
+    if (!unchanged()) break;
   }
   const int64_t now_ns = monotonic_now_ns();
   check_deadlines(now_ns);
@@ -255,11 +261,7 @@ void CaptureSession::end_sweep(const std::string& why, bool complete) {
   sweep_end_ns_ = monotonic_now_ns();
   end_reason_ = why;
   if (sweep_) covered_rad_ = sweep_->guidance().covered_rad;
-  try {
-    if (sweep_) sweep_->end(why, complete);
-  } catch (const std::exception& error) {
-    log_warning(std::string("the last frame was skipped: ") + error.what());
-  }
+  if (sweep_) sweep_->end(why, complete);
   sweep_.reset();
   sweep_closing_ = true;
   say(why + "; storing");
@@ -267,16 +269,18 @@ void CaptureSession::end_sweep(const std::string& why, bool complete) {
 
 void CaptureSession::abandon_sweep() {
   sweep_.reset();
-  while (writer_.pending() > 0) {  // the writer must not write into a folder that is being removed
-    pollfd entry{writer_.fd(), POLLIN, 0};
-    ::poll(&entry, 1, 1000);
-    while (writer_.take()) {
-    }
-  }
-  discard(std::exchange(capture_, {}));
+  writer_.forget(capture_folder());
+  cancelled_.push_back(std::exchange(capture_, {}));
+  discard_cancelled();
   give_memory_back();
   frames_stored_ = 0;
   say("the sweep was cancelled; its frames were removed");
+}
+
+// The writer must not write into a folder that is being removed.
+void CaptureSession::discard_cancelled() {
+  if (writer_.pending() > 0) return;
+  for (const std::string& capture : std::exchange(cancelled_, {})) discard(capture);
 }
 
 void CaptureSession::discard(const std::string& capture) {
@@ -306,17 +310,37 @@ void CaptureSession::continue_after_sweep() {
   start_build();
 }
 
-// A sweep that was interrupted keeps the frames it has; one without any leaves no folder.
-void CaptureSession::leave_in_order() {
-  const bool in_sweep = sweep_closing_;
-  if (in_sweep && run_ != Run::service) log_note("interrupted: storing what was taken; once more to leave at once");
-  while (sweep_closing_) {
-    serve_writer();
-    if (!sweep_closing_) break;
-    pollfd entry{writer_.fd(), POLLIN, 0};
-    ::poll(&entry, 1, 1000);
+// As long as frames reach the disk, however slowly; not for ever where it does not answer, nor when asked again.
+void CaptureSession::store_what_waits() {
+  int64_t patience_end_ns = monotonic_now_ns() + kDiskPatience_s * kSecond_ns;
+  for (size_t waiting = writer_.pending(); waiting > 0; waiting = writer_.pending()) {
+    notice_.still_stopping(kDiskPatience_s + 2);
+    pollfd entries[] = {{writer_.fd(), POLLIN, 0}, {end_request_.get(), POLLIN, 0}};
+    ::poll(entries, 2, 1000);
+    const int64_t now_ns = monotonic_now_ns();
+    notice_.feed_watchdog(now_ns);
+    if (entries[0].revents != 0) serve_writer();
+    if (writer_.pending() < waiting) patience_end_ns = now_ns + kDiskPatience_s * kSecond_ns;
+    const bool hangs = now_ns >= patience_end_ns;
+    const bool again = entries[1].revents != 0 && asked_again() && run_ != Run::service;
+    if (!hangs && !again) continue;
+    log_warning(std::string(hangs ? "the disk does not answer" : "left at once") +
+                ": not stored in order: " + frames_text(static_cast<int>(writer_.pending())));
+    return writer_.leave();
   }
-  if (in_sweep && frames_stored_ == 0 && storage_problem_.empty()) discard(std::exchange(capture_, {}));
+}
+
+// Takes one request to end; false if there is none.
+bool CaptureSession::asked_again() {
+  char request[sizeof(signalfd_siginfo)];
+  return ::read(end_request_.get(), request, sizeof request) > 0;
+}
+
+// A sweep that was interrupted keeps the frames it has; one without any leaves no folder.
+void CaptureSession::leave_in_order(bool in_sweep) {
+  if (in_sweep && !sweep_closing_ && frames_stored_ == 0 && storage_problem_.empty()) {
+    discard(std::exchange(capture_, {}));
+  }
   if (run_ == Run::service) return;
   const std::string kept =
       capture_.empty() ? "nothing was kept"
@@ -480,6 +504,7 @@ void CaptureSession::serve_writer() {
     handle(Event::storage_failed, storage_problem_ + " (" + frames_text(frames_stored_) + " are stored)");
   }
   if (sweep_closing_ && writer_.pending() == 0) continue_after_sweep();
+  discard_cancelled();
 }
 
 void CaptureSession::serve_build() {
@@ -501,6 +526,7 @@ void CaptureSession::serve_follower() {
 }
 
 void CaptureSession::serve_end_request() {
+  asked_again();
   if (stopping_) return;  // a single run is over
   handle(Event::shutdown, "shutting down");
   stopping_ = true;

@@ -79,7 +79,10 @@ class CaptureSession {
   void finish_build(const BuildEnd& end);
   void continue_after_sweep();
   std::string why_so_few() const;
-  void leave_in_order();
+  void leave_in_order(bool in_sweep);
+  void store_what_waits();
+  bool asked_again();
+  void discard_cancelled();
   void discard(const std::string& capture);
   void fail_build(const std::string& reason, bool retry);
   BuildCommand build_command(bool follows) const;
@@ -133,6 +136,7 @@ class CaptureSession {
   bool sweep_closing_ = false;                // ended, its last frames are being written
   std::string end_reason_, storage_problem_;  // of the sweep
   std::deque<std::string> backlog_;           // captures that wait to be built
+  std::vector<std::string> cancelled_;        // captures that go when nothing is written into them any more
   std::optional<int64_t> pressed_since_ns_;
   double covered_rad_ = 0;  // by the sweep, when it ended
   int64_t sweep_begin_ns_ = 0, sweep_end_ns_ = 0, next_tick_ns_ = 0, next_button_try_ns_ = 0, rest_at_ns_ = 0,

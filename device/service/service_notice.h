@@ -13,6 +13,8 @@ class ServiceNotice {
 
   void ready() { send("READY=1"); }
   void stopping() { send("STOPPING=1"); }
+  // Asks for so much more time to end in, from now on.
+  void still_stopping(int seconds) { send("EXTEND_TIMEOUT_USEC=" + std::to_string(seconds) + "000000"); }
   void status(const std::string& text) { send("STATUS=" + text); }
 
   // To be called at every turn of the loop; tells the watchdog in time that it turns.

@@ -96,14 +96,19 @@ bool SweepRun::settled(const CameraFrame& frame, double brightness) {
 void SweepRun::store(const CameraFrame& frame) {
   char file[32];
   std::snprintf(file, sizeof file, "frame_%03d.jpg", chosen());
+  std::vector<uint8_t> jpeg = jpeg_from(frame);  // may fail, and is not recorded then
   record_.frames.push_back({file, frame.time_ns, frame.sequence, frame.exposure_s, frame.gain});
-  writer_.put({folder_, file, jpeg_from(frame), capture_json(record_)});
+  writer_.put({folder_, file, std::move(jpeg), capture_json(record_)});
 }
 
 void SweepRun::end(const std::string& reason, bool complete) {
   camera_->lock_exposure(false);
   camera_->stop();
-  if (chooser_.finish() && held_) store(*held_);
+  try {
+    if (chooser_.finish() && held_) store(*held_);
+  } catch (const std::exception& error) {
+    log_warning(std::string("the last frame was skipped: ") + error.what());
+  }
   held_.reset();
   record_.end_ns = monotonic_now_ns();
   record_.complete = complete;

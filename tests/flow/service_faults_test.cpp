@@ -186,5 +186,55 @@ TEST_F(LdpdTest, AFileSystemThatCannotFlushFoldersStoresAllTheSameAndThatIsSaidO
   EXPECT_EQ(run.said.find("cannot flush folders", at + 1), std::string::npos) << run.said;
 }
 
+TEST_F(LdpdTest, ADiskThatHangsKeepsNoCancelledSweepFromEndingNorTheNextFromBeginning) {
+  configure("mode = \"toggle\"\nmin_frames = 3\n");
+  script("press wait 3300 release wait 100 press wait 10 release wait 1500 press wait 10 release");
+  const fs::path gate = room_ / "gate";
+  Process service(with_faults("fsync .jpg * wait " + gate.string(), command({"--status", "console:"})), room_ / "said");
+  EXPECT_TRUE(service.says("the sweep was cancelled", 10));
+  for (int i = 0; i < 2000 && !fs::exists(capture(2)); ++i) std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_TRUE(fs::exists(capture(2)));
+  write_file(gate, std::vector<uint8_t>(1));
+  EXPECT_TRUE(service.says("sweep_000002.ldp is ready", 30)) << text_of(room_ / "said");
+  EXPECT_FALSE(fs::exists(capture(1)));
+  EXPECT_EQ(service.stop(SIGTERM).status, 0);
+}
+
+TEST_F(LdpdTest, ADiskThatHangsDoesNotKeepTheServiceFromEnding) {
+  script("press wait 600000 release");
+  const std::string rules = "fsync .jpg 3+ wait " + (room_ / "never").string();
+  {
+    Process service(with_faults(rules, command({"--status", "console:"})), room_ / "said");
+    ASSERT_TRUE(service.says("stored: 2 frames"));
+    const auto begin = Clock::now();
+    ::kill(service.pid(), SIGTERM);
+    for (int i = 0; i < 4000 && service.runs(); ++i) std::this_thread::sleep_for(milliseconds(5));
+    EXPECT_LT(Clock::now() - begin, std::chrono::seconds(15));
+    const Finished end = service.stop(SIGKILL);
+    EXPECT_EQ(end.status, 0);
+    EXPECT_THAT(end.said, HasSubstr("the disk does not answer"));
+    EXPECT_EQ(frames_in(capture()), 2);
+  }
+  Process once(with_faults(rules, command({"--once", "--status", "console:"})), room_ / "said2");
+  ASSERT_TRUE(once.says("stored: 2 frames"));
+  ::kill(once.pid(), SIGINT);
+  ASSERT_TRUE(once.says("once more to leave at once"));
+  const auto begin = Clock::now();
+  EXPECT_EQ(once.stop(SIGINT).status, 1);
+  EXPECT_LT(Clock::now() - begin, milliseconds(2000));
+}
+
+TEST_F(LdpdTest, ACancelledLdpCaptureLeavesNoFrame) {
+  script("press wait 3300 release");
+  const Finished run = Process({LDP_DEVICE_PROGRAM, "capture", "--mode", "toggle", "--camera",
+                                "folder:" + (room_ / "frames").string() + "?fps=60", "--button",
+                                "script:" + (room_ / "script").string(), "-o", (room_ / "one").string()},
+                               room_ / "said")
+                           .wait();
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.said, HasSubstr("its frames were removed"));
+  EXPECT_FALSE(fs::exists(room_ / "one"));
+}
+
 }  // namespace
 }  // namespace ldp

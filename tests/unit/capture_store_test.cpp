@@ -12,6 +12,7 @@
 #include "core/photos/images.h"
 #include "device/capture/frame_writer.h"
 #include "device/service/build_child.h"
+#include "device/service/sweep_run.h"
 
 namespace ldp {
 namespace {
@@ -224,6 +225,46 @@ TEST_F(CaptureStoreTest, DroppingABuildKillsIt) {
 TEST(BuildProgress, OnlyFractionsCount) {
   EXPECT_EQ(parse_progress("0.25 depth layer 1")->stage, "depth layer 1");
   for (const char* line : {"", "x", "-1 a", "1.5 a", "nan a"}) EXPECT_FALSE(parse_progress(line)) << line;
+}
+
+// Pictures wider than a JPEG can be.
+class TooWideCamera final : public CameraDevice {
+ public:
+  std::string name() const override { return "wide"; }
+  CameraMode mode() const override { return {PixelFormat::rgb24, kWidth, kHeight, 30, 0}; }
+  void start() override {}
+  void stop() override {}
+  int fd() const override { return -1; }
+  bool lock_exposure(bool) override { return true; }
+  std::optional<CameraFrame> read() override {
+    auto pixels = std::make_shared<std::vector<uint8_t>>(size_t{kWidth} * kHeight * 3);
+    for (size_t i = 0; i < pixels->size(); ++i) (*pixels)[i] = static_cast<uint8_t>(i * 2654435761U >> 11);
+    CameraFrame frame;
+    frame.time_ns = 1 + 33'000'000 * next_;
+    frame.sequence = next_++;
+    frame.format = PixelFormat::rgb24;
+    frame.width = kWidth;
+    frame.height = kHeight;
+    frame.planes = {{pixels->data(), pixels->size(), kWidth * 3}};
+    frame.lease = std::move(pixels);
+    return frame;
+  }
+
+ private:
+  static constexpr int kWidth = 66'000, kHeight = 8;
+  int64_t next_ = 0;
+};
+
+TEST_F(CaptureStoreTest, AFrameThatCannotBeEncodedIsNotRecorded) {
+  {
+    FrameWriter writer;
+    SweepRun sweep(Config(), std::make_unique<TooWideCamera>(), output_, writer);
+    for (int i = 0; i < 3; ++i) sweep.read_frame();
+    EXPECT_EQ(sweep.chosen(), 0);
+    sweep.end("over", true);
+  }
+  std::ifstream file(output_ / "capture.json");
+  EXPECT_TRUE(nlohmann::json::parse(file).at("frames").empty());
 }
 
 }  // namespace

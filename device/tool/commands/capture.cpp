@@ -43,17 +43,19 @@ class NewFolder {
   NewFolder(const NewFolder&) = delete;
   NewFolder& operator=(const NewFolder&) = delete;
   ~NewFolder() { tidy(); }
+  void keep_nothing() { keeps_frames_ = false; }
 
  private:
   void tidy() const {
     std::error_code error;
-    std::vector<fs::path> halves;
+    std::vector<fs::path> unwanted;
     bool has_frames = false;
     for (fs::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
-      if (entry->path().extension() == ".jpg") has_frames = true;
-      if (entry->path().extension() == ".tmp") halves.push_back(entry->path());
+      const bool is_frame = entry->path().extension() == ".jpg";
+      has_frames = has_frames || (is_frame && keeps_frames_);
+      if (entry->path().extension() == ".tmp" || (is_frame && !keeps_frames_)) unwanted.push_back(entry->path());
     }
-    for (const fs::path& half : halves) fs::remove(half, error);
+    for (const fs::path& file : unwanted) fs::remove(file, error);
     if (has_frames) return;
     fs::remove(folder_ / "capture.json", error);
     for (const fs::path& made : made_) fs::remove(made, error);  // innermost first; none that holds anything else
@@ -61,6 +63,7 @@ class NewFolder {
 
   fs::path folder_;
   std::vector<fs::path> made_;
+  bool keeps_frames_ = true;
   WhenCutOff when_cut_off_;
 };
 
@@ -70,11 +73,12 @@ int run_capture(CaptureCommand command, const Session& session) {
   if (!command.mode.empty()) config.mode = command.mode == "hold" ? ButtonMode::hold : ButtonMode::toggle;
   for (const ConfigMistake& mistake : wrong_values(config)) throw BadInput("--" + mistake.text);
   std::optional<Unhurried> unhurried;
-  const NewFolder folder(config.output);
+  NewFolder folder(config.output);
   try {
     CaptureSession capture(config, Run::capture_only, session.stop);
     unhurried.emplace();  // opening a camera is given up at once; a sweep is stored first
     const int status = capture.run();
+    if (capture.frames_stored() == 0) folder.keep_nothing();
     if (session.stop.stop_requested()) return kInterrupted;
     if (status != kDone) throw Impossible(capture.last_failure());
     if (session.json) {
