@@ -12,9 +12,9 @@
 #include <thread>
 
 #include "core/photos/images.h"
+#include "device/capture/log.h"
 #include "drivers/interface/clocks.h"
 #include "drivers/interface/errors.h"
-#include "device/capture/log.h"
 
 namespace ldp {
 namespace {

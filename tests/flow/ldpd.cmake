@@ -12,6 +12,12 @@ if(LDP_DRIVERS)
     # Its only complaint may be that the program is not installed here.
     add_test(NAME TheServiceUnitIsGood COMMAND sh -c
       "if ${SYSTEMD_ANALYZE} verify ${PROJECT_BINARY_DIR}/device/systemd/ldpd.service 2>&1 | grep ldpd.service | grep -v 'is not executable' | grep -v 'man '; then exit 1; fi")
+    # In tenths.
+    add_test(NAME TheServiceIsExposedByLessThan2 COMMAND
+      ${SYSTEMD_ANALYZE} security --no-pager --offline=true --threshold=19 ${PROJECT_BINARY_DIR}/device/systemd/ldpd.service)
+    add_test(NAME TheServiceUnderARealSystemd COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/systemd.sh
+      ${PROJECT_BINARY_DIR}/device/systemd/ldpd.service $<TARGET_FILE:ldpd>)
+    set_tests_properties(TheServiceUnderARealSystemd PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)
   endif()
 endif()
 

@@ -1,6 +1,6 @@
 // The service as a whole, as a process: simulated camera and button, a stand-in for the build, and everything that can
 // go wrong on the way. LDP_KILLS=200 is the long form of the kill tests.
-#include "ldpd.h"
+#include "tests/flow/ldpd.h"
 
 #include <lcm/lcm-cpp.hpp>
 #include <random>
@@ -10,7 +10,6 @@
 #include "device/backends/open.h"
 #include "drivers/interface/status.h"
 #include "tests/private_network.h"
-#include "../private_network.h"
 
 namespace ldp {
 namespace {

@@ -3,7 +3,7 @@
 #include <poll.h>
 
 #include "device/service/build_child.h"
-#include "ldpd.h"
+#include "tests/flow/ldpd.h"
 
 namespace ldp {
 namespace {
