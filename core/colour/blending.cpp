@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-namespace ldp {
+namespace ldp::colour {
 namespace {
 
 // Rounded to the nearest; halves away from zero.
@@ -90,4 +90,4 @@ std::optional<Colour> BrightnessDifferences::at(int x, int y, int witness) const
   return Colour{quotient(sum[0], weights), quotient(sum[1], weights), quotient(sum[2], weights)};
 }
 
-}  // namespace ldp
+}  // namespace ldp::colour

@@ -14,7 +14,7 @@
 #include "core/colour/photo_sampler.h"
 #include "core/geometry/geometry.h"
 
-namespace ldp {
+namespace ldp::colour {
 
 // Per channel the mean of all but a quarter at either end, rounded: the median of three, the mean of the middle three
 // of five or seven. Of one or two samples, the first. At least one, at most 1 + kWitnesses.
@@ -49,4 +49,4 @@ class BrightnessDifferences {
   std::vector<std::optional<Colour>> cells_;
 };
 
-}  // namespace ldp
+}  // namespace ldp::colour

@@ -11,7 +11,7 @@
 #include "core/colour/photo_sampler.h"
 #include "core/colour/seam_levelling.h"
 
-namespace ldp {
+namespace ldp::colour {
 namespace {
 
 constexpr int kRowsAtOnce = 16;
@@ -243,6 +243,11 @@ void read_photographs(const PanoramaGrid& grid, const Photographs& photographs, 
 }
 
 }  // namespace
+}  // namespace ldp::colour
+
+namespace ldp {
+
+using namespace colour;
 
 void fetch_colours(const PanoramaGrid& grid, const Photographs& photographs, const std::vector<ColourTask>& tasks,
                    const ColourOptions& options, const Job& job) {

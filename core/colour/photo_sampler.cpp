@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
-namespace ldp {
+#include "core/photos/catmull_rom.h"
+
+namespace ldp::colour {
 namespace {
 
 constexpr int kSubpixels = 64;
@@ -15,13 +18,11 @@ using Weights = std::array<int, 4>;
 // Catmull-Rom weights at t / kSubpixels between the second and third of four samples; their sum is kWeightSum.
 constexpr std::array<Weights, kSubpixels> cubic_weights() {
   std::array<Weights, kSubpixels> table{};
-  constexpr int kDivisor = 2 * kSubpixels * kSubpixels * kSubpixels / kWeightSum;
+  constexpr int64_t kDivisor = catmull_rom_whole(kSubpixels) / kWeightSum;
   for (int t = 0; t < kSubpixels; ++t) {
-    const int s = kSubpixels;
+    const std::array<int64_t, 4> exact = catmull_rom(t, kSubpixels);
     Weights& w = table[static_cast<size_t>(t)];
-    w[0] = (-t * t * t + 2 * s * t * t - s * s * t) / kDivisor;
-    w[1] = (3 * t * t * t - 5 * s * t * t + 2 * s * s * s) / kDivisor;
-    w[3] = (t * t * t - s * t * t) / kDivisor;
+    for (size_t k = 0; k < 4; ++k) w[k] = static_cast<int>(exact[k] / kDivisor);
     w[2] = kWeightSum - w[0] - w[1] - w[3];
   }
   return table;
@@ -56,23 +57,9 @@ Colour interpolate(const RgbImage& photo, const Eigen::Vector2d& position_px) {
 }  // namespace
 
 PhotoSampler::PhotoSampler(const PanoramaGrid& grid, const Camera& camera, const Gain& gain)
-    : grid_(grid), intrinsics_(camera.intrinsics), gain_(gain) {
-  const Eigen::Matrix3d m = camera.pose.world_from_camera.transpose() * grid.arc.world_from_arc;
-  const Eigen::Vector3d a = camera.pose.world_from_camera.transpose() * (grid.arc.centre - camera.pose.centre);
-  for (int i = 0; i < 9; ++i) camera_from_arc_[static_cast<size_t>(i)] = snapped(m(i / 3, i % 3));
-  for (int i = 0; i < 3; ++i) offset_[static_cast<size_t>(i)] = snapped(a[i]);
+    : grid_(grid), intrinsics_(camera.intrinsics), projection_(grid, camera), gain_(gain) {
   taps_ = std::clamp(static_cast<int>(std::lround(grid.v_pitch * intrinsics_.fy)), 1, 4);
   for (int i = 0; i < grid.width * taps_; ++i) headings_.push_back(heading(grid.theta((i + 0.5) / taps_)));
-}
-
-Eigen::Vector3d PhotoSampler::in_camera_axes(Heading u, double v, double w) const {
-  const double reach = grid_.ray_radius() * w + 1;
-  const double px = reach * u.cos, py = reach * u.sin;
-  Eigen::Vector3d q;
-  for (size_t i = 0; i < 3; ++i)
-    q[static_cast<Eigen::Index>(i)] = w * offset_[i] + camera_from_arc_[3 * i] * px + camera_from_arc_[3 * i + 1] * py +
-                                      camera_from_arc_[3 * i + 2] * v;
-  return q;
 }
 
 Colour PhotoSampler::sample(const RgbImage& photo, int x, int y, double w) const {
@@ -80,7 +67,8 @@ Colour PhotoSampler::sample(const RgbImage& photo, int x, int y, double w) const
   for (int j = 0; j < taps_; ++j)
     for (int i = 0; i < taps_; ++i) {
       const Heading u = headings_[static_cast<size_t>(x * taps_ + i)];
-      const Colour c = interpolate(photo, project(intrinsics_, in_camera_axes(u, grid_.v(y + (j + 0.5) / taps_), w)));
+      const Colour c =
+          interpolate(photo, project(intrinsics_, projection_.in_camera_axes(u, grid_.v(y + (j + 0.5) / taps_), w)));
       for (size_t k = 0; k < 3; ++k) sum[k] += c[k];
     }
   return mean(sum, taps_ * taps_);
@@ -88,7 +76,7 @@ Colour PhotoSampler::sample(const RgbImage& photo, int x, int y, double w) const
 
 std::optional<Colour> PhotoSampler::sample_if_inside(const RgbImage& photo, int x, int y, double w) const {
   const Heading u = headings_[static_cast<size_t>(x * taps_ + taps_ / 2)];
-  const Eigen::Vector3d q = in_camera_axes(u, grid_.v(y + 0.5), w);
+  const Eigen::Vector3d q = projection_.in_camera_axes(u, grid_.v(y + 0.5), w);
   if (q.z() < kLeastForward) return {};
   const Eigen::Vector2d p = project(intrinsics_, q);
   if (!(p.x() >= 0.5 && p.y() >= 0.5 && p.x() < photo.width - 0.5 && p.y() < photo.height - 0.5)) return {};
@@ -101,4 +89,4 @@ Colour PhotoSampler::mean(const Colour& sum, int count) const {
   return colour;
 }
 
-}  // namespace ldp
+}  // namespace ldp::colour

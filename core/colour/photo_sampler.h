@@ -10,7 +10,7 @@
 #include "core/geometry/voxel_projection.h"
 #include "core/photos/exposure_gain.h"
 
-namespace ldp {
+namespace ldp::colour {
 
 using Colour = std::array<int, 3>;  // 0 .. 255 * kColourSteps a channel; beyond with gains, and as a difference
 
@@ -29,16 +29,14 @@ class PhotoSampler {
   std::optional<Colour> sample_if_inside(const RgbImage& photo, int x, int y, double w) const;
 
  private:
-  Colour mean(const Colour& sum, int count) const;                      // with the photograph's gain
-  Eigen::Vector3d in_camera_axes(Heading u, double v, double w) const;  // the voxel times w
+  Colour mean(const Colour& sum, int count) const;  // with the photograph's gain
 
   const PanoramaGrid& grid_;
   Intrinsics intrinsics_;
-  std::array<double, 9> camera_from_arc_;
-  std::array<double, 3> offset_;  // arc centre minus camera centre, camera axes
+  PhotoProjection projection_;
   ExposureGain gain_;
   int taps_;                       // samples a side of a panorama pixel
   std::vector<Heading> headings_;  // of every sample along the panorama's width
 };
 
-}  // namespace ldp
+}  // namespace ldp::colour

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ldp {
+namespace ldp::colour {
 namespace {
 
 constexpr int kSweeps = 120;         // of Gauss-Seidel; offsets decay within about ten cells
@@ -200,4 +200,4 @@ void even_seams(const PanoramaGrid& grid, const std::vector<ColourTask>& tasks, 
     });
 }
 
-}  // namespace ldp
+}  // namespace ldp::colour

@@ -11,7 +11,7 @@
 #include "core/colour/colour.h"
 #include "core/colour/photo_sampler.h"
 
-namespace ldp {
+namespace ldp::colour {
 
 constexpr int kSides[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};  // steps in x and y
 
@@ -29,4 +29,4 @@ using SeamSamples = std::function<void(const std::function<void(const SeamSample
 void even_seams(const PanoramaGrid& grid, const std::vector<ColourTask>& tasks, const SeamSamples& for_each_sample,
                 const ColourOptions& options, const Job& job);
 
-}  // namespace ldp
+}  // namespace ldp::colour

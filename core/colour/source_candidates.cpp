@@ -5,7 +5,7 @@
 
 #include "core/colour/colour.h"
 
-namespace ldp {
+namespace ldp::colour {
 namespace {
 
 constexpr double kCostPerDegree = 64;
@@ -44,6 +44,11 @@ struct Middle {
 };
 
 }  // namespace
+}  // namespace ldp::colour
+
+namespace ldp {
+
+using namespace colour;
 
 SourceCandidates::SourceCandidates(const PanoramaGrid& grid, const DisparityMap& layer,
                                    const std::vector<UprightFrame>& frames,

@@ -5,7 +5,7 @@
 #include "core/layers/layers.h"
 #include "core/layers/neighbours.h"
 
-namespace ldp {
+namespace ldp::layers {
 namespace {
 
 // The background met last while walking along a row through wanted pixels.
@@ -29,6 +29,11 @@ int between(const Continued& a, const Continued& b) {
 }
 
 }  // namespace
+}  // namespace ldp::layers
+
+namespace ldp {
+
+using namespace layers;
 
 int gap_steps(const PanoramaGrid& grid, const LayersOptions& options) {
   return static_cast<int>(std::clamp(std::ceil(parallax_steps(grid, options.gap_px)), 1.0, 1.0 * kLabelSteps));

@@ -2,7 +2,7 @@
 
 #include "core/layers/layers.h"
 
-namespace ldp {
+namespace ldp::layers {
 namespace {
 
 constexpr int kOneSurface = kLabelSteps / 2;  // neighbours on one surface differ by less
@@ -13,6 +13,11 @@ uint16_t between(int own, int beside, int share, int shares) {
 }
 
 }  // namespace
+}  // namespace ldp::layers
+
+namespace ldp {
+
+using namespace layers;
 
 DisparityMap with_finer_columns(const DisparityMap& layer, int times, bool wraps) {
   DisparityMap finer(layer.width * times, layer.height, kNoDisparity);

@@ -6,7 +6,7 @@
 #include "core/layers/line_of_sight.h"
 #include "core/layers/neighbours.h"
 
-namespace ldp {
+namespace ldp::layers {
 namespace {
 
 void mark_boundary(const PanoramaGrid& grid, const DisparityMap& front, int gap, Plane<uint8_t>& want) {
@@ -55,6 +55,11 @@ struct OpenRow {
 };
 
 }  // namespace
+}  // namespace ldp::layers
+
+namespace ldp {
+
+using namespace layers;
 
 Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front,
                              const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,

@@ -5,7 +5,7 @@
 #include "core/geometry/disparity.h"
 #include "core/layers/neighbours.h"
 
-namespace ldp {
+namespace ldp::layers {
 namespace {
 
 Plane<uint8_t> uncovered(const VisibilityMap& map) {
@@ -77,4 +77,4 @@ void find_voxel_columns(const Eyes& eyes, const Facing& facing, double w, std::v
   }
 }
 
-}  // namespace ldp
+}  // namespace ldp::layers

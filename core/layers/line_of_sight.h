@@ -11,7 +11,7 @@
 #include "core/geometry/voxel_projection.h"
 #include "core/photos/upright_frame.h"
 
-namespace ldp {
+namespace ldp::layers {
 
 // Per frame, by columns: not 0 where no layer covers the pixel or one of its eight neighbours.
 using UncoveredMaps = std::vector<Plane<uint8_t>>;
@@ -54,4 +54,4 @@ inline bool falls_on_uncovered(const VoxelColumn& voxels, double v) {
   return voxels.uncovered[voxels.shrink == 1 ? row : row / voxels.shrink] != 0;
 }
 
-}  // namespace ldp
+}  // namespace ldp::layers

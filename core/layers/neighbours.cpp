@@ -4,7 +4,7 @@
 
 #include "core/layers/layers.h"
 
-namespace ldp {
+namespace ldp::layers {
 
 int neighbour_column(const PanoramaGrid& grid, int x) {
   if (x >= 0 && x < grid.width) return x;
@@ -16,4 +16,4 @@ double parallax_steps(const PanoramaGrid& grid, double px) {
   return range <= 0 ? kLabelSteps : px * grid.v_pitch / (std::max(grid.arc.radius, 1e-9) * range) * kDisparitySteps;
 }
 
-}  // namespace ldp
+}  // namespace ldp::layers

@@ -5,7 +5,7 @@
 
 #include "core/geometry/geometry.h"
 
-namespace ldp {
+namespace ldp::layers {
 
 constexpr uint16_t kUncovered = 0;  // of a visibility map
 
@@ -15,4 +15,4 @@ int neighbour_column(const PanoramaGrid& grid, int x);
 // Disparity steps that shift a voxel by so many pixels when the eye moves by one arc radius.
 double parallax_steps(const PanoramaGrid& grid, double px);
 
-}  // namespace ldp
+}  // namespace ldp::layers

@@ -10,7 +10,7 @@
 #include "core/layers/layers.h"
 #include "core/layers/neighbours.h"
 
-namespace ldp {
+namespace ldp::layers {
 namespace {
 
 constexpr int kReachPx = 12;                     // an outline moves inwards by at most so much
@@ -212,6 +212,11 @@ class OutlineFitter {
 };
 
 }  // namespace
+}  // namespace ldp::layers
+
+namespace ldp {
+
+using namespace layers;
 
 void fit_outlines(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const Job& job,
                   DisparityMap& layer) {

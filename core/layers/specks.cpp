@@ -4,7 +4,7 @@
 
 #include "core/layers/layers.h"
 
-namespace ldp {
+namespace ldp::layers {
 namespace {
 
 // The parts of a layer that hang together by sides, one after the other.
@@ -43,6 +43,11 @@ class Parts {
 };
 
 }  // namespace
+}  // namespace ldp::layers
+
+namespace ldp {
+
+using namespace layers;
 
 void drop_specks(int least, bool wraps, DisparityMap& layer) {
   Parts parts(layer, wraps);

@@ -7,7 +7,7 @@
 #include "core/layers/layers.h"
 #include "core/layers/neighbours.h"
 
-namespace ldp {
+namespace ldp::layers {
 namespace {
 
 constexpr int kColumnsAtOnce = 64;  // between two looks at the stop token
@@ -157,6 +157,11 @@ void close_hairlines(VisibilityMap& map) {
 }
 
 }  // namespace
+}  // namespace ldp::layers
+
+namespace ldp {
+
+using namespace layers;
 
 void add_layer(const PanoramaGrid& grid, const DisparityMap& layer, const std::vector<UprightFrame>& frames,
                const LayersOptions& options, const Job& job, std::vector<VisibilityMap>& maps) {

@@ -5,7 +5,7 @@
 
 #include "core/rectify/resample.h"
 
-namespace ldp {
+namespace ldp::rectification {
 namespace {
 
 constexpr int kCellsAcross = 64;
@@ -124,4 +124,4 @@ Plane<uint16_t> flatten(const Plane<uint16_t>& grey, const Job& job) {
   return flat;
 }
 
-}  // namespace ldp
+}  // namespace ldp::rectification

@@ -14,8 +14,8 @@
 #include "core/base/job.h"
 #include "core/base/plane.h"
 
-namespace ldp {
+namespace ldp::rectification {
 
 Plane<uint16_t> flatten(const Plane<uint16_t>& grey, const Job& job);
 
-}  // namespace ldp
+}  // namespace ldp::rectification

@@ -13,7 +13,7 @@
 #include "core/rectify/background_subtraction.h"
 #include "core/rectify/resample.h"
 
-namespace ldp {
+namespace ldp::rectification {
 namespace {
 
 constexpr int kStrip = 32;                                      // columns resampled between two looks at the job
@@ -174,6 +174,11 @@ void for_each_photo(const Job& photos, std::string_view stage, size_t count, con
 }
 
 }  // namespace
+}  // namespace ldp::rectification
+
+namespace ldp {
+
+using namespace rectification;
 
 size_t upright_pixels(const std::vector<Camera>& cameras, const Arc& arc, double pitch_px) {
   size_t pixels = 0;

@@ -4,10 +4,11 @@
 // read later, from the photographs themselves.
 //
 // How: the upright camera keeps the photo's centre and, divided by the pitch, its focal length; its image spans the
-// photo's outline, but at most kMaxUprightTangent either side of its axis. Samples are Catmull-Rom interpolated at
-// positions rounded to 1/256 pixel, lens distortion included; integer from photo to sample. Slow shading is taken out
-// first (background_subtraction.h). Gains (exposure_compensation.h; exposure_gain.h) are one per frame and channel.
-// Photographs are worked on in parallel, as many as fit 32 MiB; each is decoded twice (exposure first, then samples).
+// photo's outline, but at most rectification::kMaxUprightTangent either side of its axis. Samples are Catmull-Rom
+// interpolated at positions rounded to 1/256 pixel, lens distortion included; integer from photo to sample. Slow
+// shading is taken out first (background_subtraction.h). Gains (exposure_compensation.h; exposure_gain.h) are one per
+// frame and channel. Photographs are worked on in parallel, as many as fit 32 MiB; each is decoded twice (exposure
+// first, then samples).
 #pragma once
 
 #include <vector>
@@ -18,8 +19,6 @@
 #include "core/photos/upright_frame.h"
 
 namespace ldp {
-
-constexpr double kMaxUprightTangent = 2.0;  // 63 degrees off the upright axis; beyond, a photo is cut
 
 // cameras[i] belongs to frames.load(frame_of_camera[i]). An upright pixel spans `pitch_px` of the photo's: with those
 // of a coarse panorama nothing is lost and memory is saved. Throws std::runtime_error naming the photo when its size

@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include "core/base/exact_math.h"
-#include "core/rectify/rectify.h"
+#include "core/photos/catmull_rom.h"
 
-namespace ldp {
+namespace ldp::rectification {
 namespace {
 
 constexpr int kOutlineSteps = 32;  // points per side by which a photo's outline is followed
@@ -58,13 +58,16 @@ std::array<Bounds, 2> outline(const Camera& camera, const UprightCamera& upright
 }
 
 // Catmull-Rom weights in 1/128 for each 1/256 of a pixel; they sum to 128.
-std::array<std::array<int16_t, 4>, 256> catmull_rom() {
+std::array<std::array<int16_t, 4>, 256> rounded_weights() {
+  constexpr int kWholeBits = 26;  // of twice the denominator
+  constexpr int64_t kWhole = catmull_rom_whole(256);
+  static_assert(2 * kWhole == int64_t{1} << kWholeBits);
   std::array<std::array<int16_t, 4>, 256> table{};
   for (size_t i = 0; i < 256; ++i) {
-    const double t = static_cast<double>(i) / 256, t2 = t * t, t3 = t2 * t;
-    const double w[4] = {(-t3 + 2 * t2 - t) / 2, (3 * t3 - 5 * t2 + 2) / 2, (-3 * t3 + 4 * t2 + t) / 2, (t3 - t2) / 2};
+    const std::array<int64_t, 4> exact = catmull_rom(static_cast<int64_t>(i), 256);
     int sum = 0;
-    for (size_t k = 0; k < 4; ++k) sum += table[i][k] = static_cast<int16_t>(std::floor(128 * w[k] + 0.5));
+    for (size_t k = 0; k < 4; ++k)
+      sum += table[i][k] = static_cast<int16_t>((256 * exact[k] + kWhole) >> kWholeBits);  // to the nearest
     int16_t& largest = table[i][i < 128 ? 1 : 2];
     largest = static_cast<int16_t>(largest + 128 - sum);
   }
@@ -109,7 +112,7 @@ SourcePosition ColumnMap::at(double row) const {
 
 Interpolation::Interpolation(const SourcePosition& position)
     : x0_((position.x_q8 >> 8) - 1), y0_((position.y_q8 >> 8) - 1) {
-  static const auto kWeights = catmull_rom();
+  static const auto kWeights = rounded_weights();
   const auto& across = kWeights[static_cast<size_t>(position.x_q8 & 255)];
   const auto& down = kWeights[static_cast<size_t>(position.y_q8 & 255)];
   for (size_t i = 0; i < kTaps; ++i) weights_[i] = static_cast<int16_t>(across[i % 4] * down[i / 4]);
@@ -130,4 +133,4 @@ uint8_t Interpolation::operator()(const Plane<uint16_t>& plane) const {
   return static_cast<uint8_t>(std::clamp((sum + (1 << (kShift - 1))) >> kShift, 0, 255));
 }
 
-}  // namespace ldp
+}  // namespace ldp::rectification

@@ -7,7 +7,9 @@
 #include "core/geometry/geometry.h"
 #include "core/photos/upright_frame.h"
 
-namespace ldp {
+namespace ldp::rectification {
+
+constexpr double kMaxUprightTangent = 2.0;  // 63 degrees off the upright axis; beyond, a photo is cut
 
 // The upright camera of a photograph: same centre, image plane parallel to `axis`, just large enough; one of its pixels
 // spans `pitch_px` of the photograph's.
@@ -45,4 +47,4 @@ class Interpolation {
   int16_t weights_[kTaps];
 };
 
-}  // namespace ldp
+}  // namespace ldp::rectification

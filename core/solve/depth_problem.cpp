@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace ldp {
+namespace ldp::solve {
 
 namespace {
 
@@ -99,4 +99,4 @@ DepthProblem::DepthProblem(const CostSource& costs, const Plane<uint8_t>& mask, 
       smoothness_(step_of(options, units_), options.contrast, options.truncation, largest_factor(options.factors)),
       source_(costs, mask, options.factors, units_) {}
 
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -5,7 +5,7 @@
 #include "core/solve/moves/smoothness.h"
 #include "core/solve/solve.h"
 
-namespace ldp {
+namespace ldp::solve {
 
 class DepthSource final : public GridSource {
  public:
@@ -48,4 +48,4 @@ class DepthProblem {
   DepthSource source_;
 };
 
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace ldp {
+namespace ldp::solve {
 
 namespace {
 
@@ -74,7 +74,7 @@ Energy Settling::settle(const Cell& cell, const Job& job) {
   rise -= core_energy(cell, window.outer, grid);
   take_labels(window.outer, taken_.slots, grid);
   if (all_ || unsettled(window.outer, grid)) rise += solve_again(window, *scratch, job);
-  pool_.give(std::move(scratch));
+  pool_.give_back(std::move(scratch));
   return rise;
 }
 
@@ -94,7 +94,7 @@ bool Settling::unsettled(const Window& outer, const LabelGrid& grid) const {
 Energy Settling::solve_again(const FramedWindow& window, WindowScratch& scratch, const Job& job) {
   LabelGrid& grid = scratch.grid;
   const auto with_ring = [&](int64_t ring) {  // ring: pair terms that became data terms
-    Energy energy = ldp::energy_of(grid, smoothness_);
+    Energy energy = energy_of(grid, smoothness_);
     energy.data -= ring;
     energy.smoothness += ring;
     return energy;
@@ -118,4 +118,4 @@ Energy Settling::core_energy(const Cell& cell, const Window& outer, const LabelG
   return energy;
 }
 
-}  // namespace ldp
+}  // namespace ldp::solve

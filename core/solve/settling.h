@@ -7,6 +7,7 @@
 
 #include "core/base/job.h"
 #include "core/base/plane.h"
+#include "core/base/scratch_pool.h"
 #include "core/solve/moves/framed_window.h"
 #include "core/solve/moves/label_grid.h"
 #include "core/solve/moves/labelling.h"
@@ -14,7 +15,7 @@
 #include "core/solve/tiling.h"
 #include "core/solve/window_scratch.h"
 
-namespace ldp {
+namespace ldp::solve {
 
 class Settling {
  public:
@@ -46,7 +47,7 @@ class Settling {
   const bool all_;
   const Plane<uint8_t> before_, moved_;  // slots before and after regions moved
   SlotsTaken& taken_;
-  ScratchPool pool_;
+  ScratchPool<WindowScratch> pool_;
 };
 
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -8,8 +8,7 @@
 #include "core/solve/solve.h"
 #include "core/solve/windows.h"
 
-namespace ldp {
-
+namespace ldp::solve {
 namespace {
 
 constexpr int kAnglesPerDegree = 64;
@@ -75,6 +74,11 @@ int units_in_sixteenths(const ColourSolveOptions& options) {
 }
 
 }  // namespace
+}  // namespace ldp::solve
+
+namespace ldp {
+
+using namespace solve;
 
 Labelling solve_colour(const ColourCosts& costs, const ColourSolveOptions& options, const Job& job) {
   if (costs.frames() < 1 || costs.frames() > 255) throw std::logic_error("solve_colour: frames must lie in 1 .. 255");
@@ -83,18 +87,11 @@ Labelling solve_colour(const ColourCosts& costs, const ColourSolveOptions& optio
   const int step = std::max(1, static_cast<int>(std::lround(options.lambda * kAnglesPerDegree * units / kSixteenths)));
   const Smoothness smoothness(step, options.contrast, options.truncation);
   const ColourSource source(costs, units);
-  WindowSolve solve =
+  WindowSolve solved =
       solve_windows(source, smoothness,
                     {options.core_px, options.margin_px, options.iterations, options.cycles, options.passes}, job);
   const double degrees = static_cast<double>(kSixteenths) / (units * kAnglesPerDegree);
-  Labelling result;
-  result.labels = std::move(solve.taken.positions);
-  result.report.data_energy = static_cast<double>(solve.final.data) * degrees;
-  result.report.smoothness_energy = static_cast<double>(solve.final.smoothness) * degrees;
-  result.report.initial_energy = static_cast<double>(solve.initial.total()) * degrees;
-  result.report.passes = solve.passes;
-  result.report.peak_bytes = solve.peak_bytes;
-  return result;
+  return {std::move(solved.taken.positions), report_of(solved, degrees)};
 }
 
 }  // namespace ldp

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace ldp {
+namespace ldp::solve {
 
 void Strip::plan(const std::vector<Window>& places) {
   first_column_ = places[0].x;
@@ -80,4 +80,4 @@ int64_t Strip::seam_energy(int x, const std::vector<uint8_t>& labels, const std:
   return energy;
 }
 
-}  // namespace ldp
+}  // namespace ldp::solve

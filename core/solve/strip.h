@@ -11,7 +11,7 @@
 #include "core/solve/moves/label_grid.h"
 #include "core/solve/moves/smoothness.h"
 
-namespace ldp {
+namespace ldp::solve {
 
 class Strip {
  public:
@@ -56,4 +56,4 @@ class Strip {
   PixelTerms terms_;
 };
 
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace ldp {
+namespace ldp::solve {
 
 std::vector<Interval> cut_line(int length, int core_px, int margin_px, bool shift) {
   std::vector<Interval> intervals;
@@ -34,4 +34,4 @@ std::vector<Interval> cut_ring(int length, int core_px, int margin_px, bool shif
   return intervals;
 }
 
-}  // namespace ldp
+}  // namespace ldp::solve

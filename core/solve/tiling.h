@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace ldp {
+namespace ldp::solve {
 
 // Intervals that cut a length into parts of about core_px, its cores, each widened by the margin; `shift` moves the
 // cuts by half a part. Intervals i and i + 2 are at least 2 pixels apart (but for the first and the last of a ring).
@@ -22,4 +22,4 @@ struct WindowCuts {
   std::vector<Interval> columns, rows;
 };
 
-}  // namespace ldp
+}  // namespace ldp::solve

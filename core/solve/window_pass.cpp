@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-namespace ldp {
+namespace ldp::solve {
 
 namespace {
 
@@ -117,7 +117,7 @@ bool WindowPass::solve(int place, const FramedWindow& window) {
   fold_ring(window, smoothness_, scratch->grid);
   const bool changed = scratch->solve(smoothness_, source_.slots(), effort_, *job_);
   if (changed) taken_.store(window, scratch->grid);
-  pool_.give(std::move(scratch));
+  pool_.give_back(std::move(scratch));
   return changed;
 }
 
@@ -167,4 +167,4 @@ std::vector<uint8_t> WindowPass::taken(int x) const {
   return slots;
 }
 
-}  // namespace ldp
+}  // namespace ldp::solve

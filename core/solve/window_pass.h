@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/job.h"
+#include "core/base/scratch_pool.h"
 #include "core/base/task_order.h"
 #include "core/solve/moves/label_grid.h"
 #include "core/solve/moves/labelling.h"
@@ -18,7 +19,7 @@
 #include "core/solve/tiling.h"
 #include "core/solve/window_scratch.h"
 
-namespace ldp {
+namespace ldp::solve {
 
 class WindowPass {
  public:
@@ -61,11 +62,11 @@ class WindowPass {
   Regions* regions_;
   const Job* job_ = nullptr;
   Strip strip_;
-  ScratchPool pool_;
+  ScratchPool<WindowScratch> pool_;
   std::vector<Interval> loads_;   // of rows
   std::vector<int> last_place_;   // of every column of the source, the last whose windows hold it
   std::vector<uint8_t> changed_;  // per window
   Energy initial_, final_;
 };
 
-}  // namespace ldp
+}  // namespace ldp::solve

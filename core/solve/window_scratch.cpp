@@ -1,8 +1,6 @@
 #include "core/solve/window_scratch.h"
 
-#include <utility>
-
-namespace ldp {
+namespace ldp::solve {
 
 namespace {
 
@@ -67,23 +65,4 @@ size_t WindowScratch::bytes() const {
   return sum;
 }
 
-std::unique_ptr<WindowScratch> ScratchPool::take() {
-  const std::scoped_lock lock(mutex_);
-  if (free_.empty()) return std::make_unique<WindowScratch>();
-  auto scratch = std::move(free_.back());
-  free_.pop_back();
-  return scratch;
-}
-
-void ScratchPool::give(std::unique_ptr<WindowScratch> scratch) {
-  const std::scoped_lock lock(mutex_);
-  free_.push_back(std::move(scratch));
-}
-
-size_t ScratchPool::bytes() const {
-  size_t sum = 0;
-  for (const auto& scratch : free_) sum += scratch->bytes();
-  return sum;
-}
-
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -4,8 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <mutex>
 #include <vector>
 
 #include "core/base/job.h"
@@ -13,7 +11,7 @@
 #include "core/solve/moves/label_grid.h"
 #include "core/solve/moves/smoothness.h"
 
-namespace ldp {
+namespace ldp::solve {
 
 struct Effort {
   int iterations, cycles;  // of message passing and of expansion
@@ -39,15 +37,4 @@ class WindowScratch {
   std::vector<uint8_t> labels_;
 };
 
-class ScratchPool {
- public:
-  std::unique_ptr<WindowScratch> take();
-  void give(std::unique_ptr<WindowScratch> scratch);
-  size_t bytes() const;
-
- private:
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<WindowScratch>> free_;
-};
-
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -9,7 +9,7 @@
 #include "core/solve/tiling.h"
 #include "core/solve/window_pass.h"
 
-namespace ldp {
+namespace ldp::solve {
 
 namespace {
 
@@ -128,9 +128,19 @@ class WindowSolver {
 
 }  // namespace
 
+SolveReport report_of(const WindowSolve& solve, double per_unit) {
+  SolveReport report;
+  report.data_energy = static_cast<double>(solve.final.data) * per_unit;
+  report.smoothness_energy = static_cast<double>(solve.final.smoothness) * per_unit;
+  report.initial_energy = static_cast<double>(solve.initial.total()) * per_unit;
+  report.passes = solve.passes;
+  report.peak_bytes = solve.peak_bytes;
+  return report;
+}
+
 WindowSolve solve_windows(const GridSource& source, const Smoothness& smoothness, const WindowOptions& options,
                           const Job& job) {
   return WindowSolver(source, smoothness, options, job).run();
 }
 
-}  // namespace ldp
+}  // namespace ldp::solve

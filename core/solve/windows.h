@@ -11,8 +11,9 @@
 #include "core/solve/moves/label_grid.h"
 #include "core/solve/moves/labelling.h"
 #include "core/solve/moves/smoothness.h"
+#include "core/solve/solve.h"
 
-namespace ldp {
+namespace ldp::solve {
 
 struct WindowOptions {  // as SolveOptions has them
   int core_px, margin_px, iterations, cycles, passes, settling_cycles = 0;
@@ -27,7 +28,10 @@ struct WindowSolve {
   size_t peak_bytes = 0;
 };
 
+// The report of a solve, an energy unit being worth so much.
+SolveReport report_of(const WindowSolve& solve, double per_unit);
+
 WindowSolve solve_windows(const GridSource& source, const Smoothness& smoothness, const WindowOptions& options,
                           const Job& job);
 
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace ldp {
+namespace ldp::sweep {
 namespace {
 
 // The rows of one column of voxels and the cameras that see them.
@@ -163,4 +163,4 @@ void sweep_slab(const LineTable& lines, double inverse_depth, const Window& wind
   }
 }
 
-}  // namespace ldp
+}  // namespace ldp::sweep

@@ -8,7 +8,7 @@
 #include "core/base/cost_source.h"
 #include "core/sweep/voxel_lines.h"
 
-namespace ldp {
+namespace ldp::sweep {
 
 constexpr int kBoxArea = 25;
 constexpr int kHalo = 3;  // 2 of the box, 1 of the shiftable window
@@ -43,4 +43,4 @@ class SlabSink {
 void sweep_slab(const LineTable& lines, double inverse_depth, const Window& window, int prior_cost, bool with_contrast,
                 SlabScratch& scratch, SlabSink& sink);
 
-}  // namespace ldp
+}  // namespace ldp::sweep

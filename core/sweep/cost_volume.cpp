@@ -7,7 +7,7 @@
 
 #include "core/sweep/cost_volume_tables.h"
 
-namespace ldp {
+namespace ldp::sweep {
 namespace {
 
 constexpr uint8_t kForbiddenCost = 255, kMiddleGrey = 128;
@@ -71,6 +71,11 @@ void keep_least(const int8_t* farthest, int label, int count, size_t at, SweepSc
 }
 
 }  // namespace
+}  // namespace ldp::sweep
+
+namespace ldp {
+
+using namespace sweep;
 
 void CostVolume::Tables::labels_seen_twice(int column, int y_begin, std::vector<uint16_t>& labels) const {
   std::fill(labels.begin(), labels.end(), uint16_t{0});
@@ -89,19 +94,6 @@ void CostVolume::Tables::labels_seen_twice(int column, int y_begin, std::vector<
       if (seeing > 1) labels[y] = static_cast<uint16_t>(labels[y] | 1 << label);
     }
   }
-}
-
-std::unique_ptr<SweepScratch> CostVolume::Tables::take_scratch() {
-  const std::lock_guard lock(mutex);
-  if (idle.empty()) return std::make_unique<SweepScratch>();
-  auto scratch = std::move(idle.back());
-  idle.pop_back();
-  return scratch;
-}
-
-void CostVolume::Tables::give_back(std::unique_ptr<SweepScratch> scratch) {
-  const std::lock_guard lock(mutex);
-  idle.push_back(std::move(scratch));
 }
 
 CostVolume::CostVolume(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid,
@@ -124,7 +116,6 @@ CostVolume::CostVolume(const std::vector<UprightFrame>& frames, const PanoramaGr
       LineTable(frames, grid, visibility, kHalo, behind.empty() ? LineTable::Layer::front : LineTable::Layer::behind),
       {},
       0,
-      {},
       {}});
   if (options.points && behind.empty()) tables_->points.emplace(grid, *options.points, options.labels);
   tables_->options.points = nullptr;
@@ -140,7 +131,7 @@ bool CostVolume::wraps() const { return tables_->grid.wraps; }
 
 void CostVolume::read(const Window& window, uint8_t* cost, uint8_t* median) const {
   Tables& t = *tables_;
-  auto scratch = t.take_scratch();
+  auto scratch = t.pool.take();
   const size_t pixels = static_cast<size_t>(window.width) * static_cast<size_t>(window.height);
   const int labels = t.options.labels;
   scratch->slab.reserve(window.height, t.longest_column);
@@ -176,7 +167,7 @@ void CostVolume::read(const Window& window, uint8_t* cost, uint8_t* median) cons
   rate_unmatched(window, cost);
   equal_where_plain(*scratch, pixels, cost);
   if (t.points) draw_to_points(*scratch, window, cost);
-  t.give_back(std::move(scratch));
+  t.pool.give_back(std::move(scratch));
 }
 
 // The nearest label whose whole interval lies behind the layers in front, for every pixel of a window; -1 = none.

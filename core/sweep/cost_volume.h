@@ -15,6 +15,10 @@
 #include "core/geometry/visibility_map.h"
 #include "core/photos/upright_frame.h"
 
+namespace ldp::sweep {
+struct SweepScratch;
+}
+
 namespace ldp {
 
 struct SweepOptions {
@@ -27,8 +31,6 @@ struct SweepOptions {
   // Feature points that tell of plain parts of the front layer (points_prior.h); nullptr = none. Not kept.
   const std::vector<ScenePoint>* points = nullptr;
 };
-
-struct SweepScratch;
 
 class CostVolume final : public CostSource {
  public:
@@ -52,8 +54,8 @@ class CostVolume final : public CostSource {
   static Window part_with_label(const Window& window, const std::vector<int8_t>& nearest, int label);
   void forbid_front(const std::vector<int8_t>& nearest, uint8_t* cost, uint8_t* median) const;
   void rate_unmatched(const Window& window, uint8_t* cost) const;
-  void equal_where_plain(const SweepScratch& found, size_t pixels, uint8_t* cost) const;
-  void draw_to_points(const SweepScratch& found, const Window& window, uint8_t* cost) const;
+  void equal_where_plain(const sweep::SweepScratch& found, size_t pixels, uint8_t* cost) const;
+  void draw_to_points(const sweep::SweepScratch& found, const Window& window, uint8_t* cost) const;
   struct Tables;
   std::unique_ptr<Tables> tables_;
 };

@@ -1,17 +1,16 @@
 // What a CostVolume keeps between calls.
 #pragma once
 
-#include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
+#include "core/base/scratch_pool.h"
 #include "core/sweep/cost_slab.h"
 #include "core/sweep/cost_volume.h"
 #include "core/sweep/points_prior.h"
 #include "core/sweep/voxel_lines.h"
 
-namespace ldp {
+namespace ldp::sweep {
 
 // Buffers of one thread inside read or refine.
 struct SweepScratch {
@@ -20,20 +19,20 @@ struct SweepScratch {
   std::vector<uint8_t> least, contrast_at_least;     // of all labels
 };
 
+}  // namespace ldp::sweep
+
+namespace ldp {
+
 struct CostVolume::Tables {
   const std::vector<UprightFrame>& frames;
   PanoramaGrid grid;
   const DisparityMap* behind = nullptr;  // null = nothing is in front
   SweepOptions options;
-  LineTable lines;
-  std::optional<PointsPrior> points;
+  sweep::LineTable lines;
+  std::optional<sweep::PointsPrior> points;
   int longest_column = 0;
 
-  std::mutex mutex;
-  std::vector<std::unique_ptr<SweepScratch>> idle;  // scratch that no thread uses now
-
-  std::unique_ptr<SweepScratch> take_scratch();
-  void give_back(std::unique_ptr<SweepScratch> scratch);
+  ScratchPool<sweep::SweepScratch> pool;
 
   // Per row from y_begin on, a bit for each label whose middle at least two cameras have inside their photos.
   void labels_seen_twice(int column, int y_begin, std::vector<uint16_t>& labels) const;

@@ -8,7 +8,7 @@
 #include "core/sweep/weak_membrane.h"
 #include "core/sweep/weighted_median.h"
 
-namespace ldp {
+namespace ldp::sweep {
 namespace {
 
 constexpr int kFine = 8;   // fine steps a label
@@ -110,6 +110,11 @@ uint16_t fitted(const FineMinimum::Ray& ray, int fine_steps) {
 }
 
 }  // namespace
+}  // namespace ldp::sweep
+
+namespace ldp {
+
+using namespace sweep;
 
 DisparityMap refine(const CostVolume& sweep, const Plane<uint8_t>& labels, const Plane<uint8_t>& mask, const Job& job) {
   return sweep.refine(labels, mask, job);
@@ -126,7 +131,7 @@ DisparityMap CostVolume::refine(const Plane<uint8_t>& labels, const Plane<uint8_
     const int x = tile / down * kTileWidth, y = tile % down * kTileHeight;
     const Window window{x, y, std::min(kTileWidth, labels.width - x), std::min(kTileHeight, labels.height - y)};
     FineMinimum minimum(labels, mask, window);
-    auto scratch = t.take_scratch();
+    auto scratch = t.pool.take();
     scratch->slab.reserve(window.height, t.longest_column);
     for (int step = 0; step <= fine_steps; ++step) {
       const Box box = minimum.box(step);
@@ -135,7 +140,7 @@ DisparityMap CostVolume::refine(const Plane<uint8_t>& labels, const Plane<uint8_
       const double w = t.grid.inverse_depth(static_cast<double>(step) * kDisparitySteps / fine_steps);
       sweep_slab(t.lines, w, box.window(), t.options.prior_cost, false, scratch->slab, minimum);
     }
-    t.give_back(std::move(scratch));
+    t.pool.give_back(std::move(scratch));
     size_t i = 0;
     for (int column = x; column < x + window.width; ++column)
       for (int row = y; row < y + window.height; ++row, ++i) {

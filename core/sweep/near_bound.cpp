@@ -4,7 +4,7 @@
 #include <array>
 #include <numeric>
 
-namespace ldp {
+namespace ldp::sweep {
 namespace {
 
 // Parts of the grid that are looked at: strips of columns, cut into square blocks.
@@ -109,6 +109,11 @@ class NearBound {
 };
 
 }  // namespace
+}  // namespace ldp::sweep
+
+namespace ldp {
+
+using namespace sweep;
 
 double matched_near(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, const Job& job) {
   if (grid.width < kBlock || grid.height < kBlock || grid.w_far >= grid.w_near) return grid.w_near;

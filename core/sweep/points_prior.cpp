@@ -6,7 +6,7 @@
 #include <numbers>
 #include <tuple>
 
-namespace ldp {
+namespace ldp::sweep {
 namespace {
 
 constexpr int kCellPx = 8;
@@ -95,4 +95,4 @@ PointsPrior::PointsPrior(const PanoramaGrid& grid, const std::vector<ScenePoint>
 
 PointsPrior::Told PointsPrior::at(int x, int y) const { return cells_.at(x % width_ / kCellPx, y / kCellPx); }
 
-}  // namespace ldp
+}  // namespace ldp::sweep

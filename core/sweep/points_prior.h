@@ -10,7 +10,7 @@
 #include "core/base/plane.h"
 #include "core/geometry/geometry.h"
 
-namespace ldp {
+namespace ldp::sweep {
 
 class PointsPrior {
  public:
@@ -33,4 +33,4 @@ class PointsPrior {
   Plane<Told> cells_;
 };
 
-}  // namespace ldp
+}  // namespace ldp::sweep

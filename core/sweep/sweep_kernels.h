@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-namespace ldp::kernels {
+namespace ldp::sweep::kernels {
 
 constexpr int kPadding = 64;
 constexpr int kMaxViews = 8;              // cameras whose samples are compared at a voxel
@@ -102,4 +102,4 @@ struct Kernels {
 const Kernels& best();   // for the processor at hand
 const Kernels& plain();  // for the base instruction set; the same bytes
 
-}  // namespace ldp::kernels
+}  // namespace ldp::sweep::kernels

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/exact_math.h"
-
-namespace ldp {
+namespace ldp::sweep {
 namespace {
 
-constexpr double kLeastCosine = 0.3;  // between the ray and the camera's axis: 72 degrees
-constexpr double kLargestStep = 4;    // photo rows per panorama row; beyond, a voxel is too near to the camera
+constexpr double kLeastCosine = 0.3;    // between the ray and the camera's axis: 72 degrees
+constexpr double kLeastForward = 1e-3;  // forward * w of a voxel worth projecting
+constexpr double kLargestStep = 4;      // photo rows per panorama row; beyond, a voxel is too near to the camera
 constexpr double kLargestRow = 1 << 20;
 constexpr int kHidesNothing = 65535;  // the nearest that a surface can be
 
@@ -31,26 +30,15 @@ LineTable::LineTable(const std::vector<UprightFrame>& frames, const PanoramaGrid
       visibility_(visibility.empty() ? nullptr : &visibility),
       margin_px_(margin_px),
       layer_(layer) {
-  const Eigen::Matrix3d& axes = grid.arc.world_from_arc;
-  for (const UprightFrame& frame : frames) {
-    const UprightCamera& camera = frame.camera;
-    const Eigen::Vector3d offset = grid.arc.centre - camera.centre;
-    views_.push_back({exact_dot(camera.right, axes.col(0)), exact_dot(camera.right, axes.col(1)),
-                      exact_dot(camera.forward, axes.col(0)), exact_dot(camera.forward, axes.col(1)),
-                      exact_dot(offset, camera.right), exact_dot(offset, camera.forward),
-                      exact_dot(offset, axes.col(2)), -exact_dot(offset, axes.col(0)),
-                      -exact_dot(offset, axes.col(1))});
-  }
+  for (const UprightFrame& frame : frames) projections_.emplace_back(grid, frame.camera, Rounding::none);
   const int columns = grid.wraps ? grid.width : grid.width + 2 * margin_px;
   for (int i = 0; i < columns; ++i) {
-    const SineCosine angle = exact_sine_cosine(grid.theta((grid.wraps ? i : i - margin_px) + 0.5));
-    outward_.push_back({angle.cosine, angle.sine});
+    const Heading outward = heading(grid.theta((grid.wraps ? i : i - margin_px) + 0.5), Rounding::none);
+    outward_.push_back(outward);
     std::vector<std::pair<double, uint16_t>> seen;
-    for (size_t k = 0; k < views_.size(); ++k) {
-      const double along = angle.cosine * views_[k].forward_x + angle.sine * views_[k].forward_y;
-      const double aside = std::abs(angle.cosine * views_[k].place_y - angle.sine * views_[k].place_x);
-      if (along > kLeastCosine) seen.emplace_back(aside, static_cast<uint16_t>(k));
-    }
+    for (size_t k = 0; k < projections_.size(); ++k)
+      if (projections_[k].column(outward).forward > kLeastCosine)
+        seen.emplace_back(std::abs(projections_[k].aside(outward)), static_cast<uint16_t>(k));
     std::sort(seen.begin(), seen.end());
     auto& views = views_of_column_.emplace_back();
     for (const auto& [cost, view] : seen) views.push_back(view);
@@ -69,7 +57,7 @@ void LineTable::find(int column, double inverse_depth, int y_begin, int y_end, L
   for (const uint16_t view : views_of_column_[at]) {
     if (lines.count == kernels::kMaxViews) break;
     Line& line = lines.line[static_cast<size_t>(lines.count)];
-    if (!make_line(view, outward_[at][0], outward_[at][1], inverse_depth, line)) continue;
+    if (!make_line(view, outward_[at], inverse_depth, line)) continue;
     line.y_begin = std::max(line.y_begin, y_begin);
     line.y_end = std::min(line.y_end, y_end);
     if (lines.count == 0 && layer_ == Layer::front) line.surface_limit = kHidesNothing;
@@ -77,22 +65,20 @@ void LineTable::find(int column, double inverse_depth, int y_begin, int y_end, L
   }
 }
 
-// A voxel at q = offset + r u + (u + v n) / w from the camera, all times w to hold at infinity.
-bool LineTable::make_line(size_t view, double cosine, double sine, double inverse_depth, Line& line) const {
-  const View& k = views_[view];
+bool LineTable::make_line(size_t view, Heading outward, double w, Line& line) const {
+  const VoxelProjection& projection = projections_[view];
   const UprightFrame& frame = frames_[view];
   const UprightCamera& camera = frame.camera;
-  const double w = inverse_depth, reach = grid_.ray_radius() * w + 1;
-  const double right = k.offset_right * w + reach * (cosine * k.right_x + sine * k.right_y);
-  const double forward = k.offset_forward * w + reach * (cosine * k.forward_x + sine * k.forward_y);
-  if (forward <= 1e-3) return false;
+  const VoxelProjection::Column u = projection.column(outward);
+  const double forward = projection.forward(u, w);
+  if (forward <= kLeastForward) return false;
   const double scale = camera.focal / forward;
-  const double x_px = (scale * right + camera.cx - 0.5) * kernels::kWeightOne + 0.5;
+  const double x_px = (scale * projection.right(u, w) + camera.cx - 0.5) * kernels::kWeightOne + 0.5;
   if (!(x_px >= 0 && x_px < (camera.width - 1) * static_cast<double>(kernels::kWeightOne))) return false;
   const int x_q6 = static_cast<int>(x_px), x = x_q6 >> kernels::kWeightBits;
   line.weight = x_q6 & (kernels::kWeightOne - 1);
   const double step = scale * grid_.v_pitch;
-  const double row = camera.cy - 0.5 - scale * (k.offset_up * w + grid_.v(0.5));
+  const double row = camera.cy - 0.5 - scale * projection.up(grid_.v(0.5), w);
   if (step > kLargestStep || std::abs(row) > kLargestRow) return false;
   line.step_q16 = static_cast<int32_t>(floor_of(step * 65536 + 0.5));
   line.row_q16 = floor_of(row * 65536 + 0.5) + (65536 / kernels::kWeightOne / 2);
@@ -114,4 +100,4 @@ bool LineTable::make_line(size_t view, double cosine, double sine, double invers
   return true;
 }
 
-}  // namespace ldp
+}  // namespace ldp::sweep

@@ -9,10 +9,11 @@
 
 #include "core/geometry/geometry.h"
 #include "core/geometry/visibility_map.h"
+#include "core/geometry/voxel_projection.h"
 #include "core/photos/upright_frame.h"
 #include "core/sweep/sweep_kernels.h"
 
-namespace ldp {
+namespace ldp::sweep {
 
 // The line in one frame. Row of the panorama's row y: (row_q16 + y step_q16) / 65536 samples from the first.
 struct Line {
@@ -49,12 +50,7 @@ class LineTable {
   void find(int column, double inverse_depth, int y_begin, int y_end, Lines& lines) const;
 
  private:
-  struct View {  // a camera in the axes of the arc
-    double right_x = 0, right_y = 0, forward_x = 0, forward_y = 0;
-    double offset_right = 0, offset_forward = 0, offset_up = 0;  // of the arc's centre, seen from the camera
-    double place_x = 0, place_y = 0;                             // of the camera, seen from the arc's centre
-  };
-  bool make_line(size_t view, double cosine, double sine, double inverse_depth, Line& line) const;
+  bool make_line(size_t view, Heading outward, double inverse_depth, Line& line) const;
   size_t slot(int column) const;
 
   const std::vector<UprightFrame>& frames_;
@@ -62,9 +58,9 @@ class LineTable {
   const std::vector<VisibilityMap>* visibility_ = nullptr;  // null = everything is visible
   int margin_px_ = 0;
   Layer layer_ = Layer::front;
-  std::vector<View> views_;
-  std::vector<std::array<double, 2>> outward_;          // cosine and sine of each column's theta
+  std::vector<VoxelProjection> projections_;
+  std::vector<Heading> outward_;                        // of each column's centre
   std::vector<std::vector<uint16_t>> views_of_column_;  // best first
 };
 
-}  // namespace ldp
+}  // namespace ldp::sweep

@@ -8,7 +8,7 @@
 
 #include "core/sweep/sweep_kernels.h"
 
-namespace ldp {
+namespace ldp::sweep {
 namespace {
 
 // Chosen on views of photos left out, the same for all (20, 40 and 60 rounds, ties of 5 to 60,
@@ -189,4 +189,4 @@ DisparityMap weak_membrane(const DisparityMap& disparity, const Plane<uint8_t>& 
   return Membrane(disparity, firmness, guide, label_steps, wraps, job).settled();
 }
 
-}  // namespace ldp
+}  // namespace ldp::sweep

@@ -8,7 +8,7 @@
 #include "core/base/plane.h"
 #include "core/geometry/disparity.h"
 
-namespace ldp {
+namespace ldp::sweep {
 
 // Pixels of kNoDisparity stay and are not looked at. `firmness` (how fast the cost of matching rises beside its least,
 // see depth_refinement.cpp) and `guide` (grey) have the map's size; `label_steps`: disparity steps of a label; `wraps`:
@@ -16,4 +16,4 @@ namespace ldp {
 DisparityMap weak_membrane(const DisparityMap& disparity, const Plane<uint8_t>& firmness, const Plane<uint8_t>& guide,
                            int label_steps, bool wraps, const Job& job);
 
-}  // namespace ldp
+}  // namespace ldp::sweep

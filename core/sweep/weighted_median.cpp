@@ -6,7 +6,7 @@
 
 #include "core/sweep/sweep_kernels.h"
 
-namespace ldp {
+namespace ldp::sweep {
 namespace {
 
 constexpr int kReach = kernels::kSmoothReach;
@@ -82,4 +82,4 @@ DisparityMap smooth(const DisparityMap& disparity, const Plane<uint8_t>& guide, 
   return out;
 }
 
-}  // namespace ldp
+}  // namespace ldp::sweep

@@ -7,9 +7,9 @@
 #include "core/base/plane.h"
 #include "core/geometry/disparity.h"
 
-namespace ldp {
+namespace ldp::sweep {
 
 // Pixels of kNoDisparity stay and are not looked at. `guide` has the map's size; `wraps`: columns are modulo the width.
 DisparityMap smooth(const DisparityMap& disparity, const Plane<uint8_t>& guide, bool wraps, const Job& job);
 
-}  // namespace ldp
+}  // namespace ldp::sweep

@@ -15,7 +15,7 @@
 #include "tests/bench/solve_reference.h"
 #include "tests/bench/solve_volumes.h"
 
-namespace ldp {
+namespace ldp::solve {
 namespace {
 
 struct Settings {
@@ -109,9 +109,9 @@ void run(Problem problem, const Settings& settings) {
 }
 
 }  // namespace
-}  // namespace ldp
+}  // namespace ldp::solve
 
 int main(int argc, char** argv) {
-  const ldp::Settings settings = ldp::parse(argc, argv);
-  for (const auto& name : settings.names) ldp::run(ldp::make_problem(name), settings);
+  const ldp::solve::Settings settings = ldp::solve::parse(argc, argv);
+  for (const auto& name : settings.names) ldp::solve::run(ldp::solve::make_problem(name), settings);
 }

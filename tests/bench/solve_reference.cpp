@@ -6,7 +6,7 @@
 
 #include "core/solve/moves/alpha_expansion.h"
 
-namespace ldp {
+namespace ldp::solve {
 
 void expand_whole_grid(LabelGrid& grid, const Smoothness& smoothness, int slots) {
   std::fill(grid.label.begin(), grid.label.end(), uint8_t{0});
@@ -102,4 +102,4 @@ double lower_bound(const LabelGrid& grid, const Smoothness& smoothness, int iter
   return best;
 }
 
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -17,7 +17,7 @@
 #include "core/sweep/cost_slab.h"
 #include "tests/bench/captures.h"
 
-namespace ldp {
+namespace ldp::sweep {
 namespace {
 
 constexpr int kColumns = 64;  // of a window, at full height
@@ -116,6 +116,6 @@ BENCHMARK_CAPTURE(Kernels, plain, kernels::plain());
 BENCHMARK(Memory)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace ldp
+}  // namespace ldp::sweep
 
 BENCHMARK_MAIN();

@@ -6,7 +6,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size < 3) return 0;
-  ldp::DepthStrip strip;
+  ldp::file::DepthStrip strip;
   const int width = 1 + data[0] % 40;
   const int height = 1 + data[1] % 24;
   strip.block_px = data[2] % 20;
@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   strip.coverage = {width, height};
   strip.codes = {width, height};
   try {
-    ldp::decode_depth_strip({data + 3, size - 3}, {"chunk", 0}, true, strip);
+    ldp::file::decode_depth_strip({data + 3, size - 3}, {"chunk", 0}, true, strip);
   } catch (const ldp::LdpError&) {
   }
   return 0;

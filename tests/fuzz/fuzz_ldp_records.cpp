@@ -6,25 +6,25 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size < 1) return 0;
-  const ldp::ByteReader reader({data + 1, size - 1}, {"chunk", 0});
+  const ldp::file::ByteReader reader({data + 1, size - 1}, {"chunk", 0});
   ldp::PanoramaGrid grid;
   grid.width = grid.height = 100;
   try {
     switch (data[0] % 5) {
       case 0:
-        ldp::read_head(reader, {});
+        ldp::file::read_head(reader, {});
         break;
       case 1:
-        ldp::read_layer_record(reader, grid);
+        ldp::file::read_layer_record(reader, grid);
         break;
       case 2:
-        ldp::read_cameras(reader);
+        ldp::file::read_cameras(reader);
         break;
       case 3:
-        ldp::read_quality(reader);
+        ldp::file::read_quality(reader);
         break;
       default:
-        ldp::read_metadata(reader);
+        ldp::file::read_metadata(reader);
         break;
     }
   } catch (const ldp::LdpError&) {

@@ -49,7 +49,7 @@ inline std::string plane_checksums(const LayeredPanorama& panorama) {
     const auto print = [&](const char* name, const Samples<uint8_t>& bytes) {
       char line[64];
       std::snprintf(line, sizeof line, "layer %d %s %08x\n", static_cast<int>(l) + 1, name,
-                    static_cast<unsigned>(crc32c(bytes)));
+                    static_cast<unsigned>(file::crc32c(bytes)));
       text += line;
     };
     print("disparity", disparity);

@@ -30,11 +30,12 @@ inline void seal(std::vector<uint8_t>& file) {
       const uint64_t offset = number(kHeader + kEntry * i + 8, 8);
       const uint64_t length = number(kHeader + kEntry * i + 16, 8);
       if (offset > file.size() || length > file.size() - offset) continue;
-      put(kHeader + kEntry * i + 24, crc32c(all.subspan(static_cast<size_t>(offset), static_cast<size_t>(length))), 4);
+      put(kHeader + kEntry * i + 24,
+          file::crc32c(all.subspan(static_cast<size_t>(offset), static_cast<size_t>(length))), 4);
     }
-    put(24, crc32c(all.subspan(kHeader, kEntry * static_cast<size_t>(entries))), 4);
+    put(24, file::crc32c(all.subspan(kHeader, kEntry * static_cast<size_t>(entries))), 4);
   }
-  put(28, crc32c(all.first(28)), 4);
+  put(28, file::crc32c(all.first(28)), 4);
 }
 
 }  // namespace ldp

@@ -13,7 +13,7 @@
 #include "core/colour/blending.h"
 #include "tests/unit/simple_capture.h"
 
-namespace ldp {
+namespace ldp::colour {
 namespace {
 
 using test::camera_at, test::FramesInMemory, test::simple_grid, test::upright_of;
@@ -397,4 +397,4 @@ TEST(EvenSeams, AStepBetweenTwoExposuresIsSpreadOverBothSides) {
 }
 
 }  // namespace
-}  // namespace ldp
+}  // namespace ldp::colour

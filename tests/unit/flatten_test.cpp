@@ -8,7 +8,7 @@
 
 #include "core/rectify/resample.h"
 
-namespace ldp {
+namespace ldp::rectification {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 200;
@@ -65,4 +65,4 @@ TEST(Flatten, TakesPicturesOfOnePixel) {
 }
 
 }  // namespace
-}  // namespace ldp
+}  // namespace ldp::rectification

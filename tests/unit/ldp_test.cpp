@@ -12,7 +12,7 @@
 #include "tests/golden/sealed_file.h"
 #include "tests/golden/synthetic_panorama.h"
 
-namespace ldp {
+namespace ldp::file {
 namespace {
 
 using ::testing::HasSubstr;
@@ -393,4 +393,4 @@ TEST(LdpEncoder, StopsWhenTheJobIsStopped) {
 }
 
 }  // namespace
-}  // namespace ldp
+}  // namespace ldp::file

@@ -8,7 +8,7 @@
 
 #include "tests/unit/simple_capture.h"
 
-namespace ldp {
+namespace ldp::sweep {
 namespace {
 
 using test::simple_grid;
@@ -81,4 +81,4 @@ TEST(PointsPrior, ReachesInFromBeyondTheBordersAndAcrossTheSeam) {
 }
 
 }  // namespace
-}  // namespace ldp
+}  // namespace ldp::sweep

@@ -18,7 +18,7 @@
 #include "core/solve/moves/region_moves.h"
 #include "core/solve/moves/smoothness.h"
 
-namespace ldp {
+namespace ldp::solve {
 namespace {
 
 // Costs and medians held in arrays; as a ring or not.
@@ -631,4 +631,4 @@ TEST(Solve, chooses_frames_that_see_the_pixel_and_reports_their_angles) {
 }
 
 }  // namespace
-}  // namespace ldp
+}  // namespace ldp::solve

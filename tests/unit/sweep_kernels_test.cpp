@@ -9,7 +9,7 @@
 
 #include "core/sweep/sweep_kernels.h"
 
-namespace ldp::kernels {
+namespace ldp::sweep::kernels {
 namespace {
 
 constexpr int kLongest = 70;  // more than two vectors, so that every remainder occurs
@@ -290,4 +290,4 @@ INSTANTIATE_TEST_SUITE_P(Both, SweepKernels, testing::Values(&best(), &plain()),
                          [](const auto& set) { return std::string(set.index == 0 ? "Best" : "Plain"); });
 
 }  // namespace
-}  // namespace ldp::kernels
+}  // namespace ldp::sweep::kernels

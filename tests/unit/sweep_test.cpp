@@ -16,7 +16,7 @@
 #include "core/sweep/weighted_median.h"
 #include "tests/unit/simple_capture.h"
 
-namespace ldp {
+namespace ldp::sweep {
 namespace {
 
 using test::camera_at, test::simple_grid, test::upright_of;
@@ -485,4 +485,4 @@ TEST(WeakMembrane, IsTheSameAtAnyThreadCountAndStopsWhenAsked) {
 }
 
 }  // namespace
-}  // namespace ldp
+}  // namespace ldp::sweep

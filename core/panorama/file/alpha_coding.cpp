@@ -4,7 +4,7 @@
 
 #include "core/panorama/file/range_coder.h"
 
-namespace ldp {
+namespace ldp::file {
 namespace {
 
 struct AlphaModels {
@@ -76,4 +76,4 @@ Plane<uint8_t> decode_alpha_strip(std::span<const uint8_t> bytes, const Place& p
   return alpha;
 }
 
-}  // namespace ldp
+}  // namespace ldp::file

@@ -12,7 +12,7 @@
 
 #include "core/panorama/file/ldp_file.h"
 
-namespace ldp {
+namespace ldp::file {
 
 class ByteWriter {
  public:
@@ -108,4 +108,4 @@ class ByteReader {
   Place place_;
 };
 
-}  // namespace ldp
+}  // namespace ldp::file

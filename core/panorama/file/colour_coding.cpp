@@ -8,7 +8,7 @@
 #include "core/panorama/file/colour_packing.h"
 #include "core/photos/images.h"
 
-namespace ldp {
+namespace ldp::file {
 namespace {
 
 constexpr int kLossless = 101;
@@ -216,4 +216,4 @@ RgbImage decode_colour_strip(std::span<const uint8_t> bytes, const Place& place,
   }
 }
 
-}  // namespace ldp
+}  // namespace ldp::file

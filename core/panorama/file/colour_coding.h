@@ -11,7 +11,7 @@
 #include "core/panorama/file/depth_coding.h"
 #include "core/panorama/file/ldp_file.h"
 
-namespace ldp {
+namespace ldp::file {
 
 enum class ColourCodec : uint8_t { none = 0, jpeg = 1, webp = 2, jpeg_gathered = 3, webp_gathered = 4 };
 
@@ -24,4 +24,4 @@ int version_of_colour(std::span<const uint8_t> bytes);
 // Absent pixels get {0, 0, 0}.
 RgbImage decode_colour_strip(std::span<const uint8_t> bytes, const Place& place, const DepthStrip& strip, int version);
 
-}  // namespace ldp
+}  // namespace ldp::file

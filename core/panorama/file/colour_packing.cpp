@@ -1,6 +1,6 @@
 #include "core/panorama/file/colour_packing.h"
 
-namespace ldp {
+namespace ldp::file {
 namespace {
 
 // Three quarters: below, the pixels that a whole tile would have to invent cost more than what the curve loses of their
@@ -35,4 +35,4 @@ ImageSize ColourPacking::size() const {
   return {strip_.tiles.width * kTile, rows * kTile};
 }
 
-}  // namespace ldp
+}  // namespace ldp::file

@@ -12,7 +12,7 @@
 #include "core/panorama/file/depth_coding.h"
 #include "core/photos/images.h"
 
-namespace ldp {
+namespace ldp::file {
 
 enum class ColourLayout { plain, gathered };
 
@@ -94,4 +94,4 @@ class ColourPacking {
   int64_t loose_ = 0;
 };
 
-}  // namespace ldp
+}  // namespace ldp::file

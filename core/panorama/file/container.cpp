@@ -6,7 +6,7 @@
 
 #include "core/panorama/file/crc32c.h"
 
-namespace ldp {
+namespace ldp::file {
 namespace {
 
 // As PNG and KTX: a byte beyond ASCII, the name, both line ends and ^Z show at once what transfers do to binary files.
@@ -138,4 +138,4 @@ std::span<const uint8_t> checked_bytes(std::span<const uint8_t> file, const LdpC
   return bytes;
 }
 
-}  // namespace ldp
+}  // namespace ldp::file

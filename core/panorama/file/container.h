@@ -9,7 +9,7 @@
 #include "core/panorama/file/bytes.h"
 #include "core/panorama/file/ldp_file.h"
 
-namespace ldp {
+namespace ldp::file {
 
 struct NewChunk {
   std::string type;
@@ -32,4 +32,4 @@ Place place_of(const LdpChunk& chunk);
 // The chunk's bytes, its checksum verified.
 std::span<const uint8_t> checked_bytes(std::span<const uint8_t> file, const LdpChunk& chunk);
 
-}  // namespace ldp
+}  // namespace ldp::file

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-namespace ldp {
+namespace ldp::file {
 namespace {
 
 constexpr uint32_t kPolynomial = 0x82F63B78;
@@ -39,4 +39,4 @@ uint32_t crc32c(std::span<const uint8_t> bytes) {
   return ~crc;
 }
 
-}  // namespace ldp
+}  // namespace ldp::file

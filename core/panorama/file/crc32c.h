@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-namespace ldp {
+namespace ldp::file {
 
 uint32_t crc32c(std::span<const uint8_t> bytes);
 
-}  // namespace ldp
+}  // namespace ldp::file

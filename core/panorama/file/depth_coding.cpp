@@ -6,7 +6,7 @@
 
 #include "core/panorama/file/range_coder.h"
 
-namespace ldp {
+namespace ldp::file {
 namespace {
 
 // Every function here runs in the encoder and in the decoder, which differ in Coder only: coder.bit(model, value) codes
@@ -401,4 +401,4 @@ void decode_depth_strip(std::span<const uint8_t> bytes, const Place& place, bool
                  std::to_string(coder.bytes_left()) + " bytes more than were used");
 }
 
-}  // namespace ldp
+}  // namespace ldp::file

@@ -12,7 +12,7 @@
 #include "core/geometry/disparity.h"
 #include "core/panorama/file/bytes.h"
 
-namespace ldp {
+namespace ldp::file {
 
 constexpr int kTile = 16;  // pixels; coverage and colour are kept per tile
 
@@ -34,4 +34,4 @@ std::vector<uint8_t> encode_depth_strip(const DepthStrip& strip);
 // tiles and coverage are.
 void decode_depth_strip(std::span<const uint8_t> bytes, const Place& place, bool with_codes, DepthStrip& strip);
 
-}  // namespace ldp
+}  // namespace ldp::file

@@ -10,7 +10,7 @@
 #include "core/panorama/file/records.h"
 #include "core/photos/images.h"
 
-namespace ldp {
+namespace ldp::file {
 namespace {
 
 constexpr int kStripPx = 512;      // narrow enough to read parts, wide enough for models to learn
@@ -174,6 +174,11 @@ std::vector<NewChunk> write_records(const LayeredPanorama& panorama) {
 }
 
 }  // namespace
+}  // namespace ldp::file
+
+namespace ldp {
+
+using namespace file;
 
 std::vector<uint8_t> encode_ldp(const LayeredPanorama& panorama, const LdpEncodeOptions& options, const Job& job) {
   check_options(options);

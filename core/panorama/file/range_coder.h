@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace ldp {
+namespace ldp::file {
 
 // What is known of one kind of decision: the probability of 0 in 1/65536, and how often it was seen (up to 63).
 struct BitModel {
@@ -125,4 +125,4 @@ class RangeDecoder {
   size_t missing_ = 0;
 };
 
-}  // namespace ldp
+}  // namespace ldp::file

@@ -11,7 +11,7 @@
 #include "core/panorama/file/ldp_file.h"
 #include "core/panorama/file/records.h"
 
-namespace ldp {
+namespace ldp::file {
 namespace {
 
 // Where the chunks of one strip are in the table.
@@ -90,6 +90,11 @@ uint64_t count_present(const Plane<uint8_t>& coverage) {
 }
 
 }  // namespace
+}  // namespace ldp::file
+
+namespace ldp {
+
+using namespace file;
 
 struct LdpReader::State {
   std::span<const uint8_t> bytes;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace ldp {
+namespace ldp::file {
 namespace {
 
 constexpr int kMaxCameras = 4096;
@@ -265,4 +265,4 @@ std::map<std::string, std::string> read_metadata(ByteReader in) {
   return read_map<std::string>(in, [](ByteReader& from) { return from.text(from.u16()); });
 }
 
-}  // namespace ldp
+}  // namespace ldp::file

@@ -12,7 +12,7 @@
 #include "core/panorama/file/ldp_file.h"
 #include "core/panorama/panorama.h"
 
-namespace ldp {
+namespace ldp::file {
 
 struct Head {
   PanoramaGrid grid;
@@ -43,4 +43,4 @@ std::map<std::string, std::string> read_metadata(ByteReader reader);
 // Number of strips of a layer; the last may be narrower.
 int strip_count(const PanoramaGrid& grid, int strip_px);
 
-}  // namespace ldp
+}  // namespace ldp::file

@@ -1,9 +1,8 @@
 #include "core/solve/moves/alpha_expansion.h"
 
 #include <algorithm>
-#include <cstddef>
 
-namespace ldp {
+namespace ldp::solve {
 
 namespace {
 
@@ -35,8 +34,7 @@ void Expansion::start(LabelGrid& grid, const Smoothness& smoothness) {
 
 size_t Expansion::bytes() const {
   return gain_.capacity() * sizeof(int16_t) + negative_.capacity() * sizeof(uint16_t) +
-         nodes_.capacity() * sizeof(Node) +
-         (touched_.capacity() + queue_.capacity() + orphans_.capacity()) * sizeof(int);
+         nodes_.capacity() * sizeof(Node) + touched_.capacity() * sizeof(int) + flow_bytes();
 }
 
 // The pair term of p and its lower or right neighbour q under the move, split into unary terms and two capacities:
@@ -91,39 +89,22 @@ void Expansion::build_edge(int p, int direction) {
   other.capacity[direction ^ 1] = static_cast<uint16_t>(forward ? terms.capacity_qp : terms.capacity_pq);
 }
 
-void Expansion::build_edges(int p) {
+void Expansion::build_links(int p) {
   const uint8_t& flags = nodes_[at(p)].flags;
   if ((flags & kAllEdges) == kAllEdges) return;
   for (int direction = 0; direction < 4; ++direction)
     if ((flags >> direction & 1) == 0) build_edge(p, direction);
 }
 
-void Expansion::activate(int p) {
-  Node& node = nodes_[at(p)];
-  if ((node.flags & kActive) != 0) return;
-  node.flags |= kActive;
-  if (queue_.size() == queue_.capacity() && queue_head_ > queue_.size() / 2) {  // rather than grow, drop what is done
-    queue_.erase(queue_.begin(), queue_.begin() + static_cast<ptrdiff_t>(queue_head_));
-    queue_head_ = 0;
-  }
-  queue_.push_back(p);
-}
-
 bool Expansion::expand(int alpha) {
   alpha_ = alpha;
   ++move_;
-  time_ = 1;
   touched_.clear();
-  queue_.clear();
-  queue_head_ = 0;
+  clear();
   seed(dilated(dirty_[at(alpha)]));
   dirty_[at(alpha)] = 0;
-  if (queue_.empty()) return false;
-  while (queue_head_ < queue_.size()) {
-    const int p = queue_[queue_head_++];
-    nodes_[at(p)].flags &= static_cast<uint8_t>(~kActive);
-    grow(p);
-  }
+  if (!has_roots()) return false;
+  run();
   return commit();
 }
 
@@ -136,150 +117,18 @@ void Expansion::seed(uint64_t blocks) {
       const int end = std::min((block + 1) * block_height_, grid_->height);
       for (int p = x * grid_->height + block * block_height_; p < x * grid_->height + end; ++p) {
         if ((negative_[at(p)] >> alpha_ & 1) == 0) continue;
-        touch(p).parent = kRoot;
-        activate(p);
+        touch(p);
+        add_root(p);
       }
     }
   }
 }
 
-// One tree grows from the excesses; a neighbour with capacity to the sink takes flow at once and joins when it is full.
-void Expansion::grow(int p) {
-  const Node& node = nodes_[at(p)];
-  if (node.parent == kFree) return;
-  build_edges(p);
-  for (int direction = 0; direction < 4; ++direction) {
-    if (node.capacity[direction] == 0) continue;
-    const int q = p + offset_[direction];
-    Node& next = nodes_[at(q)];  // built with the edge
-    while (next.parent == kFree && next.terminal > 0 && node.capacity[direction] > 0) {
-      augment(p, direction);
-      if (node.parent == kFree) return;
-    }
-    if (next.parent != kFree || node.capacity[direction] == 0) continue;
-    if (next.terminal < 0) {  // wants to move, but lies outside the blocks searched
-      next.parent = kRoot;
-      activate(q);
-      continue;
-    }
-    next.parent = static_cast<uint8_t>(1 + (direction ^ 1));
-    next.distance = static_cast<uint16_t>(node.distance + 1);
-    next.stamp = node.stamp;
-    activate(q);
-  }
-}
-
-void Expansion::augment(int p, int direction) {
-  Node* nodes = nodes_.data();
-  Node& sink = nodes[p + offset_[direction]];
-  int flow = std::min<int>(sink.terminal, nodes[p].capacity[direction]);
-  int root = p;
-  while (nodes[root].parent != kRoot) {
-    const int up = nodes[root].parent - 1;
-    root += offset_[up];
-    flow = std::min<int>(flow, nodes[root].capacity[up ^ 1]);
-  }
-  flow = std::min(flow, -nodes[root].terminal);
-
-  sink.terminal -= flow;
-  const auto push = [&](Node& from, Node& to, int towards) {
-    from.capacity[towards] = static_cast<uint16_t>(from.capacity[towards] - flow);
-    to.capacity[towards ^ 1] = static_cast<uint16_t>(to.capacity[towards ^ 1] + flow);
-    return from.capacity[towards] == 0;
-  };
-  push(nodes[p], sink, direction);
-  for (int child = p; child != root;) {
-    const int up = nodes[child].parent - 1;
-    const int parent = child + offset_[up];
-    if (push(nodes[parent], nodes[child], up ^ 1)) {
-      nodes[child].parent = kOrphan;
-      orphans_.push_back(child);
-    }
-    child = parent;
-  }
-  nodes[root].terminal += flow;
-  if (nodes[root].terminal == 0) {
-    nodes[root].parent = kOrphan;
-    orphans_.push_back(root);
-  }
-  adopt_orphans();
-}
-
-void Expansion::adopt_orphans() {
-  ++time_;
-  while (!orphans_.empty()) {
-    const int p = orphans_.back();
-    orphans_.pop_back();
-    if (!adopt(p)) release(p);
-  }
-}
-
-// Whether the chain of parents of a tree node ends in a root; its length. Marks the chain so that it is walked once.
-bool Expansion::rooted(int p, int& distance) {
-  Node* nodes = nodes_.data();
-  int length = 0, walk = p;
-  while (nodes[walk].stamp != time_) {
-    const uint8_t parent = nodes[walk].parent;
-    if (parent == kOrphan) return false;
-    if (parent == kRoot) {
-      nodes[walk].stamp = time_;
-      nodes[walk].distance = 0;
-      break;
-    }
-    walk += offset_[parent - 1];
-    ++length;
-  }
-  distance = length + nodes[walk].distance;
-  for (int d = distance, step = p; step != walk; step += offset_[nodes[step].parent - 1]) {
-    nodes[step].stamp = time_;
-    nodes[step].distance = static_cast<uint16_t>(d--);
-  }
-  return true;
-}
-
-bool Expansion::adopt(int p) {
-  build_edges(p);
-  Node* nodes = nodes_.data();
-  const bool edge[4] = {grid_->factor(p, 0) != 0, grid_->factor(p, 1) != 0, grid_->factor(p, 2) != 0,
-                        grid_->factor(p, 3) != 0};
-  int best = 1 << 30, best_direction = -1;
-  for (int direction = 0; direction < 4; ++direction) {
-    if (!edge[direction]) continue;
-    const int q = p + offset_[direction];
-    if (nodes[q].capacity[direction ^ 1] == 0 || nodes[q].parent == kFree || nodes[q].parent == kOrphan) continue;
-    int distance = 0;
-    if (!rooted(q, distance) || distance >= best) continue;
-    best = distance;
-    best_direction = direction;
-  }
-  if (best_direction < 0) return false;
-  Node& node = nodes[p];
-  node.parent = static_cast<uint8_t>(1 + best_direction);
-  node.distance = static_cast<uint16_t>(best + 1);
-  node.stamp = time_;
-  return true;
-}
-
-void Expansion::release(int p) {
-  nodes_[at(p)].parent = kFree;
-  for (int direction = 0; direction < 4; ++direction) {
-    if (grid_->factor(p, direction) == 0) continue;
-    const int q = p + offset_[direction];
-    Node& other = nodes_[at(q)];
-    if (other.parent == kFree) continue;
-    if (other.capacity[direction ^ 1] > 0) activate(q);
-    if (other.parent == 1 + (direction ^ 1)) {
-      other.parent = kOrphan;
-      orphans_.push_back(q);
-    }
-  }
-}
-
-// What is still in the tree could not spend its excess: it takes alpha.
+// What lies on the source's side of the cut takes alpha.
 bool Expansion::commit() {
   uint64_t changed = 0;  // blocks
   for (const int p : touched_) {
-    if (nodes_[at(p)].parent == kFree || grid_->label[at(p)] == alpha_) continue;
+    if (!on_source_side(p) || grid_->label[at(p)] == alpha_) continue;
     grid_->label[at(p)] = static_cast<uint8_t>(alpha_);
     const int block = p / grid_->height / block_width_ * 8 + p % grid_->height / block_height_;
     changed |= uint64_t{1} << block;
@@ -288,15 +137,15 @@ bool Expansion::commit() {
   for (int slot = 0; slot < kSlots; ++slot)
     if (slot != alpha_) dirty_[at(slot)] |= changed;
   for (const int p : touched_) {
-    if (nodes_[at(p)].parent == kFree) continue;
+    if (!on_source_side(p)) continue;
     compute_gains(p);
     for (int direction = 0; direction < 4; ++direction) {
       if (grid_->factor(p, direction) == 0) continue;
       const int q = p + grid_->stride(direction);
-      if (nodes_[at(q)].move != move_ || nodes_[at(q)].parent == kFree) compute_gains(q);
+      if (nodes_[at(q)].move != move_ || !on_source_side(q)) compute_gains(q);
     }
   }
   return true;
 }
 
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -14,10 +14,11 @@
 #include <vector>
 
 #include "core/solve/moves/label_grid.h"
+#include "core/solve/moves/max_flow.h"
 
-namespace ldp {
+namespace ldp::solve {
 
-class Expansion {
+class Expansion : private MaxFlow<Expansion> {
  public:
   // Prepares the moves of the grid's current labels. The grid is changed by `expand` only, until the next `start`.
   void start(LabelGrid& grid, const Smoothness& smoothness);
@@ -32,10 +33,11 @@ class Expansion {
   size_t bytes() const;
 
  private:
-  static constexpr uint8_t kFree = 0, kRoot = 5, kOrphan = 6;  // other parents: 1 + direction
+  friend class MaxFlow<Expansion>;
+  static constexpr uint8_t kFree = 4, kRoot = 5, kOrphan = 6;  // parents that are no direction
   static constexpr uint8_t kAllEdges = 15, kActive = 16;
 
-  // A node of the cut graph, built when the search first touches it.
+  // A node of the cut graph, built when the search first touches it. Its links are the directions.
   struct Node {
     int32_t terminal = 0;       // > 0: capacity to the sink (cost of moving); < 0: excess that wants to move
     uint16_t capacity[4] = {};  // residual, towards each direction
@@ -54,16 +56,24 @@ class Expansion {
   void compute_gains(int p);
   void seed(uint64_t blocks);
   Node& touch(int p);
-  void build_edges(int p);
   void build_edge(int p, int direction);
-  void grow(int p);
-  void augment(int p, int direction);
-  void adopt_orphans();
-  bool adopt(int p);
-  void release(int p);
-  bool rooted(int p, int& distance);
-  void activate(int p);
   bool commit();
+
+  // For MaxFlow.
+  Node& node(int p) { return nodes_[static_cast<size_t>(p)]; }
+  bool exchange_active(int p, bool active) {
+    uint8_t& flags = node(p).flags;
+    const bool was = (flags & kActive) != 0;
+    flags = static_cast<uint8_t>(active ? flags | kActive : flags & ~kActive);
+    return was;
+  }
+  void build_links(int p);
+  static int link_begin(int) { return 0; }
+  static int link_end(int) { return 4; }
+  static int link_at(int i) { return i; }
+  bool has_link(int p, int direction) const { return grid_->factor(p, direction) != 0; }
+  int head(int p, int direction) const { return p + offset_[direction]; }
+  uint16_t& capacity(int p, int direction) { return node(p).capacity[direction]; }
 
   LabelGrid* grid_ = nullptr;
   const Smoothness* smoothness_ = nullptr;
@@ -74,11 +84,10 @@ class Expansion {
   // The window in 8 x 8 blocks; per slot those with changes since the last move to it.
   std::array<uint64_t, kSlots> dirty_{};
   int block_width_ = 1, block_height_ = 1;
-  std::vector<int> touched_, queue_, orphans_;
-  int offset_[8] = {};  // from a pixel to its neighbour by direction; towards a parent: offset_[parent - 1]
-  size_t queue_head_ = 0;
-  uint32_t move_ = 0, time_ = 0;
+  std::vector<int> touched_;
+  int offset_[8] = {};  // from a pixel to its neighbour by direction
+  uint32_t move_ = 0;
   int alpha_ = 0;
 };
 
-}  // namespace ldp
+}  // namespace ldp::solve

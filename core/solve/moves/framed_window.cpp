@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace ldp {
+namespace ldp::solve {
 
 namespace {
 
@@ -77,4 +77,4 @@ int64_t ring_energy(const FramedWindow& window, const GridSource& source, const 
   return energy;
 }
 
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -5,7 +5,7 @@
 #include "core/solve/moves/label_grid.h"
 #include "core/solve/moves/smoothness.h"
 
-namespace ldp {
+namespace ldp::solve {
 
 struct FramedWindow {
   Window inner, outer;
@@ -25,4 +25,4 @@ int64_t fold_ring(const FramedWindow& window, const Smoothness& smoothness, Labe
 int64_t ring_energy(const FramedWindow& window, const GridSource& source, const Smoothness& smoothness,
                     const LabelGrid& grid);
 
-}  // namespace ldp
+}  // namespace ldp::solve

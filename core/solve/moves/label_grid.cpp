@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace ldp {
+namespace ldp::solve {
 
 namespace {
 
@@ -143,4 +143,4 @@ void set_edges(const GridSource& source, const Window& window, LabelGrid& grid) 
   }
 }
 
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -11,7 +11,7 @@
 #include "core/solve/moves/message_passing.h"
 #include "core/solve/moves/smoothness.h"
 
-namespace ldp {
+namespace ldp::solve {
 
 constexpr int kSlots = 16;
 constexpr uint16_t kForbidden = 8000;  // cost of a slot that must not be taken
@@ -125,4 +125,4 @@ class GridSource {
 // Sets the edges of a grid that holds a window's terms.
 void set_edges(const GridSource& source, const Window& window, LabelGrid& grid);
 
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -7,7 +7,7 @@
 #include "core/solve/moves/framed_window.h"
 #include "core/solve/moves/label_grid.h"
 
-namespace ldp {
+namespace ldp::solve {
 
 struct SlotsTaken {
   Plane<uint8_t> slots, positions;  // positions: empty if the source has none
@@ -39,4 +39,4 @@ inline void take_labels(const Window& window, const Plane<uint8_t>& slots, Label
       grid.label[static_cast<size_t>(x * grid.height + y)] = slots.at((window.x + x) % slots.width, window.y + y);
 }
 
-}  // namespace ldp
+}  // namespace ldp::solve

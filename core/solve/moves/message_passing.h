@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace ldp {
+namespace ldp::solve {
 
 // A LabelGrid and a Smoothness as flat arrays (see there). Pixels of a grid with positions have one grey in all slots.
 struct KernelGrid {
@@ -55,4 +55,4 @@ extern const MessageKernels kMessageKernels;
 }
 #endif
 
-}  // namespace ldp
+}  // namespace ldp::solve

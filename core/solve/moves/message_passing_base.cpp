@@ -1,7 +1,7 @@
 #define LDP_KERNELS base_kernels
 #include "core/solve/moves/message_passing.inc"
 
-namespace ldp {
+namespace ldp::solve {
 
 const MessageKernels& message_kernels() {
 #if defined(__x86_64__)
@@ -10,4 +10,4 @@ const MessageKernels& message_kernels() {
   return base_kernels::kMessageKernels;
 }
 
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-namespace ldp {
+namespace ldp::solve {
 
 namespace {
 
@@ -135,11 +135,7 @@ void Regions::link() {
 
 bool Regions::expand(int alpha) {
   prepare(alpha);
-  for (size_t head = 0; head < queue_.size(); ++head) {
-    const int p = queue_[head];
-    cut_[at(p)].active = false;
-    grow(p);
-  }
+  run();
   return commit(alpha);
 }
 
@@ -149,13 +145,9 @@ void Regions::prepare(int alpha) {
     cut_[p].terminal = nodes_[p].data[at(alpha)] - nodes_[p].data[nodes_[p].label];
   }
   for (size_t e = 0; e < edges_.size(); ++e) prepare_edge(e, alpha);
-  time_ = 1;
-  queue_.clear();
+  clear();
   for (size_t p = 0; p < nodes_.size(); ++p)
-    if (cut_[p].terminal < 0) {
-      cut_[p].parent = kRoot;
-      activate(static_cast<int>(p));
-    }
+    if (cut_[p].terminal < 0) add_root(static_cast<int>(p));
 }
 
 // The pair term under the move, split into two unary terms and two capacities as in Expansion::edge_terms. With one
@@ -173,122 +165,9 @@ void Regions::prepare_edge(size_t index, int alpha) {
   capacity_[2 * index + 1] = e01 - (e11 - unary_a);
 }
 
-void Regions::activate(int p) {
-  if (cut_[at(p)].active) return;
-  cut_[at(p)].active = true;
-  queue_.push_back(p);
-}
-
-// One tree grows from the excesses; a neighbour with capacity to the sink takes flow at once and joins when it is full.
-void Regions::grow(int p) {
-  const CutNode& node = cut_[at(p)];
-  for (int i = first_arc_[at(p)]; i < first_arc_[at(p) + 1]; ++i) {
-    if (node.parent == kFree) return;
-    const int arc = arcs_[at(i)], q = head(arc);
-    CutNode& next = cut_[at(q)];
-    while (next.parent == kFree && next.terminal > 0 && node.parent != kFree && capacity_[at(arc)] > 0) augment(arc);
-    if (node.parent == kFree || next.parent != kFree || capacity_[at(arc)] == 0) continue;
-    next.parent = arc ^ 1;
-    next.distance = node.distance + 1;
-    next.stamp = node.stamp;
-    activate(q);
-  }
-}
-
-// Sends flow along the tree and over the arc to its head.
-void Regions::augment(int arc) {
-  CutNode& sink = cut_[at(head(arc))];
-  int flow = std::min(sink.terminal, capacity_[at(arc)]), root = head(arc ^ 1);
-  for (; cut_[at(root)].parent != kRoot; root = head(cut_[at(root)].parent))
-    flow = std::min(flow, capacity_[at(cut_[at(root)].parent ^ 1)]);
-  flow = std::min(flow, -cut_[at(root)].terminal);
-
-  sink.terminal -= flow;
-  capacity_[at(arc)] -= flow;
-  capacity_[at(arc ^ 1)] += flow;
-  for (int child = head(arc ^ 1); child != root;) {
-    const int up = cut_[at(child)].parent;
-    capacity_[at(up ^ 1)] -= flow;
-    capacity_[at(up)] += flow;
-    if (capacity_[at(up ^ 1)] == 0) {
-      cut_[at(child)].parent = kOrphan;
-      orphans_.push_back(child);
-    }
-    child = head(up);
-  }
-  cut_[at(root)].terminal += flow;
-  if (cut_[at(root)].terminal == 0) {
-    cut_[at(root)].parent = kOrphan;
-    orphans_.push_back(root);
-  }
-  adopt_orphans();
-}
-
-void Regions::adopt_orphans() {
-  ++time_;
-  while (!orphans_.empty()) {
-    const int p = orphans_.back();
-    orphans_.pop_back();
-    if (!adopt(p)) release(p);
-  }
-}
-
-// Whether the chain of parents of a tree node ends in a root; its length. Marks the chain so that it is walked once.
-bool Regions::rooted(int p, int& distance) {
-  int length = 0, walk = p;
-  while (cut_[at(walk)].stamp != time_) {
-    const int parent = cut_[at(walk)].parent;
-    if (parent == kOrphan) return false;
-    if (parent == kRoot) {
-      cut_[at(walk)].stamp = time_;
-      cut_[at(walk)].distance = 0;
-      break;
-    }
-    walk = head(parent);
-    ++length;
-  }
-  distance = length + cut_[at(walk)].distance;
-  for (int d = distance, step = p; step != walk; step = head(cut_[at(step)].parent)) {
-    cut_[at(step)].stamp = time_;
-    cut_[at(step)].distance = d--;
-  }
-  return true;
-}
-
-bool Regions::adopt(int p) {
-  int best = 1 << 30, best_arc = kFree;
-  for (int i = first_arc_[at(p)]; i < first_arc_[at(p) + 1]; ++i) {
-    const int arc = arcs_[at(i)], q = head(arc), parent = cut_[at(q)].parent;
-    if (capacity_[at(arc ^ 1)] == 0 || parent == kFree || parent == kOrphan) continue;
-    int distance = 0;
-    if (!rooted(q, distance) || distance >= best) continue;
-    best = distance;
-    best_arc = arc;
-  }
-  if (best_arc == kFree) return false;
-  cut_[at(p)].parent = best_arc;
-  cut_[at(p)].distance = best + 1;
-  cut_[at(p)].stamp = time_;
-  return true;
-}
-
-void Regions::release(int p) {
-  cut_[at(p)].parent = kFree;
-  for (int i = first_arc_[at(p)]; i < first_arc_[at(p) + 1]; ++i) {
-    const int arc = arcs_[at(i)], q = head(arc);
-    CutNode& other = cut_[at(q)];
-    if (other.parent == kFree) continue;
-    if (capacity_[at(arc ^ 1)] > 0) activate(q);
-    if (other.parent == (arc ^ 1)) {
-      other.parent = kOrphan;
-      orphans_.push_back(q);
-    }
-  }
-}
-
-// What is still in the tree could not spend its excess: it takes alpha.
+// What lies on the source's side of the cut takes alpha.
 bool Regions::commit(int alpha) {
-  const auto moves = [&](int p) { return cut_[at(p)].parent != kFree && nodes_[at(p)].label != alpha; };
+  const auto moves = [&](int p) { return on_source_side(p) && nodes_[at(p)].label != alpha; };
   bool changed = false;
   for (Edge& edge : edges_) {
     const int a = edge.node[0], b = edge.node[1];
@@ -315,10 +194,10 @@ Energy Regions::energy() const {
 
 size_t Regions::bytes() const {
   return solved_.capacity() / 8 +
-         (first_of_block_.capacity() + capacity_.capacity() + first_arc_.capacity() + arcs_.capacity() +
-          queue_.capacity() + orphans_.capacity()) *
+         (first_of_block_.capacity() + capacity_.capacity() + first_arc_.capacity() + arcs_.capacity()) *
              sizeof(int32_t) +
-         nodes_.capacity() * sizeof(Node) + edges_.capacity() * sizeof(Edge) + cut_.capacity() * sizeof(CutNode);
+         flow_bytes() + nodes_.capacity() * sizeof(Node) + edges_.capacity() * sizeof(Edge) +
+         cut_.capacity() * sizeof(CutNode);
 }
 
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -14,16 +14,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include "core/base/job.h"
 #include "core/base/plane.h"
 #include "core/solve/moves/label_grid.h"
+#include "core/solve/moves/max_flow.h"
 #include "core/solve/moves/smoothness.h"
 
-namespace ldp {
+namespace ldp::solve {
 
-class Regions {
+class Regions : private MaxFlow<Regions> {
  public:
   Regions(int width, int height, int slots, const Smoothness& smoothness);
 
@@ -47,6 +49,7 @@ class Regions {
   size_t bytes() const;
 
  private:
+  friend class MaxFlow<Regions>;
   static constexpr int kBlock = 8;
   static constexpr int kNone = -1;                            // ends lists
   static constexpr int kFree = -1, kRoot = -2, kOrphan = -3;  // parents that are no edges
@@ -78,18 +81,21 @@ class Regions {
   bool expand(int alpha);
   void prepare(int alpha);
   void prepare_edge(size_t index, int alpha);
-  void grow(int p);
-  void augment(int arc);
-  void adopt_orphans();
-  bool adopt(int p);
-  void release(int p);
-  bool rooted(int p, int& distance);
-  void activate(int p);
   bool commit(int alpha);
   int pair(const Edge& edge, int a, int b) const {
     return std::min(std::abs(a - b), smoothness_.truncation()) * edge.weight;
   }
-  int head(int arc) const { return edges_[static_cast<size_t>(arc / 2)].node[(arc & 1) ^ 1]; }
+
+  // For MaxFlow; links are arcs.
+  CutNode& node(int p) { return cut_[static_cast<size_t>(p)]; }
+  bool exchange_active(int p, bool active) { return std::exchange(node(p).active, active); }
+  void build_links(int) {}
+  int link_begin(int p) const { return first_arc_[static_cast<size_t>(p)]; }
+  int link_end(int p) const { return first_arc_[static_cast<size_t>(p) + 1]; }
+  int link_at(int i) const { return arcs_[static_cast<size_t>(i)]; }
+  static bool has_link(int, int) { return true; }
+  int head(int, int arc) const { return edges_[static_cast<size_t>(arc / 2)].node[(arc & 1) ^ 1]; }
+  int32_t& capacity(int, int arc) { return capacity_[static_cast<size_t>(arc)]; }
 
   const Smoothness& smoothness_;
   int height_, blocks_high_, slots_;
@@ -101,8 +107,6 @@ class Regions {
   std::vector<CutNode> cut_;
   std::vector<int32_t> capacity_;          // residual, of each arc
   std::vector<int32_t> first_arc_, arcs_;  // of each node: arcs_[first_arc_[p] .. first_arc_[p + 1])
-  std::vector<int32_t> queue_, orphans_;
-  uint32_t time_ = 0;
 };
 
-}  // namespace ldp
+}  // namespace ldp::solve

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace ldp {
+namespace ldp::solve {
 
 namespace {
 
@@ -36,4 +36,4 @@ Smoothness::Smoothness(int step, double contrast, int truncation, int largest_fa
   }
 }
 
-}  // namespace ldp
+}  // namespace ldp::solve

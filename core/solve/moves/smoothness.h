@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <vector>
 
-namespace ldp {
+namespace ldp::solve {
 
 constexpr int kWidestPair = 250;  // V never exceeds this, so that messages fit 8 bits
 
@@ -37,4 +37,4 @@ class Smoothness {
   std::vector<uint8_t> coarse_, weight_;
 };
 
-}  // namespace ldp
+}  // namespace ldp::solve
