@@ -10,6 +10,7 @@
 #include "core/arc/arc.h"
 #include "core/base/exact_math.h"
 #include "core/colour/colour.h"
+#include "core/consistency/consistency.h"
 #include "core/layers/layers.h"
 #include "core/pipeline/debug_pictures.h"
 #include "core/pipeline/memory_budget.h"
@@ -340,14 +341,7 @@ class Build {
     panorama.grid = grid_;
     panorama.cameras = poses_.cameras;
     panorama.limits = viewing_limits();
-    Plane<int16_t> farthest(grid_.width, grid_.height, kDisparitySteps);  // disparity at most that the next layer shows
-    for (size_t k = 0; k < layers_.size(); ++k) {
-      drop_inseparable(farthest, layers_[k]);
-      if (k > 0) drop_specks(kSpeckPx * columns_of_colour_, grid_.wraps, layers_[k]);
-      drop_sources(layers_[k], sources_[k]);
-      panorama.layers.push_back(coded(layers_[k], k == 0 ? kKnownPx : 2 * kKnownPx));
-      move_back(panorama.layers[k], farthest);
-    }
+    panorama.layers = coded_layers();
     fetch(panorama.layers);
     for (size_t k = 0; k < layers_.size(); ++k) {
       const auto present =
@@ -355,10 +349,24 @@ class Build {
       report_.coverage.push_back(static_cast<double>(present) / static_cast<double>(layers_[k].samples.size()));
       pictures_.colour("colour layer " + std::to_string(k + 1), panorama.layers[k].colour);
     }
+    hold_against_photographs(panorama);
     report_.poses = poses_.report;
     result.report = std::move(report_);
     result.scratch = std::move(scratch_);
     return result;
+  }
+
+  std::vector<Layer> coded_layers() {
+    std::vector<Layer> layers;
+    Plane<int16_t> farthest(grid_.width, grid_.height, kDisparitySteps);  // disparity at most that the next layer shows
+    for (size_t k = 0; k < layers_.size(); ++k) {
+      drop_inseparable(farthest, layers_[k]);
+      if (k > 0) drop_specks(kSpeckPx * columns_of_colour_, grid_.wraps, layers_[k]);
+      drop_sources(layers_[k], sources_[k]);
+      layers.push_back(coded(layers_[k], k == 0 ? kKnownPx : 2 * kKnownPx));
+      move_back(layers[k], farthest);
+    }
+    return layers;
   }
 
   int steps_of_parallax(double px) const {
@@ -400,17 +408,30 @@ class Build {
   }
 
   void fetch(std::vector<Layer>& layers) {
-    Photographs photographs{frames_, poses_.cameras, poses_.frame_of_camera, {}};
     for (size_t i = 0; i < upright_.size(); ++i) {
-      photographs.gains.push_back(upright_[i].gain);
+      gains_.push_back(upright_[i].gain);
       report_.gains[poses_.cameras[i].name] = upright_[i].gain;
     }
+    const Photographs photographs{frames_, poses_.cameras, poses_.frame_of_camera, gains_};
     std::vector<UprightFrame>().swap(upright_);  // the colours need their memory
     std::vector<ColourTask> tasks;
     for (size_t k = 0; k < layers.size(); ++k)
       tasks.push_back({&layers_[k], &sources_[k], &layers[k].colour, &witnesses_[k]});
     fetch_colours(grid_, photographs, tasks, {}, job_);
     watch_.lap("colour");
+  }
+
+  void hold_against_photographs(const LayeredPanorama& panorama) {
+    std::vector<Plane<uint8_t>>().swap(sources_);
+    std::vector<Plane<uint8_t>>().swap(witnesses_);
+    std::vector<DisparityMap>().swap(layers_);
+    AgreementSink sink;
+    if (pictures_.wanted())
+      sink = [&](const std::string& photo, const Plane<uint8_t>& map) {
+        pictures_.agreement("agreement " + photo, map);
+      };
+    report_.consistency = hold_against({frames_, poses_.frame_of_camera, gains_}, panorama, {}, job_, sink);
+    watch_.lap("consistency");
   }
 
   // The cameras' own spread about the arc, and a margin of half the radius, within which holes stay small.
@@ -440,6 +461,7 @@ class Build {
   std::vector<DisparityMap> layers_, found_;         // of the last iteration that ended, of the present one
   std::vector<VisibilityMap> visibility_;            // of all layers; empty for one far layer
   std::vector<Plane<uint8_t>> sources_, witnesses_;  // of the colours
+  std::vector<Gain> gains_;                          // of the photos
 };
 
 }  // namespace

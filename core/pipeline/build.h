@@ -11,6 +11,7 @@
 #include "core/arc/arc.h"
 #include "core/base/job.h"
 #include "core/base/scratch_space.h"
+#include "core/consistency/consistency.h"
 #include "core/geometry/geometry.h"
 #include "core/panorama/panorama.h"
 #include "core/photos/frame_source.h"
@@ -52,6 +53,7 @@ struct BuildReport {
   std::vector<double> coverage;  // share of present pixels per layer
   // By photo: what its R, G, B were multiplied by to match the others.
   std::map<std::string, std::array<float, 3>> gains;
+  ConsistencyReport consistency;   // the panorama against its photos
   std::vector<std::string> notes;  // one line each, e.g. "no parallax was found: one far layer"
 };
 

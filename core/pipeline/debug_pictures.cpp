@@ -1,7 +1,9 @@
 #include "core/pipeline/debug_pictures.h"
 
 #include <algorithm>
+#include <array>
 
+#include "core/consistency/consistency.h"
 #include "core/photos/images.h"
 
 namespace ldp {
@@ -41,6 +43,21 @@ void DebugPictures::sources(const std::string& name, const Plane<uint8_t>& sourc
       image.samples[i] = {static_cast<uint8_t>(60 + s * 97 % 196), static_cast<uint8_t>(60 + s * 57 % 196),
                           static_cast<uint8_t>(60 + s * 151 % 196)};
   }
+  write(name, encode_png(image));
+}
+
+void DebugPictures::agreement(const std::string& name, const Plane<uint8_t>& agreement) const {
+  if (!wanted()) return;
+  constexpr std::array<Rgb, kAgreements> kHues = {{{255, 255, 255},    // agrees
+                                                   {0, 0, 0},          // hole
+                                                   {190, 190, 190},    // exposure
+                                                   {70, 110, 255},     // wrong_colour
+                                                   {255, 30, 30},      // missing
+                                                   {255, 170, 0},      // wrong_depth
+                                                   {160, 60, 200},     // moved
+                                                   {120, 200, 120}}};  // alone
+  RgbImage image(agreement.width, agreement.height);
+  for (size_t i = 0; i < image.samples.size(); ++i) image.samples[i] = kHues.at(agreement.samples[i]);
   write(name, encode_png(image));
 }
 

@@ -17,9 +17,10 @@ class DebugPictures {
   explicit DebugPictures(const std::string& directory) : directory_(directory) {}
   bool wanted() const { return !directory_.empty(); }
   void labels(const std::string& name, const Plane<uint8_t>& labels,
-              int largest) const;                                                // grey; above `largest`: black
-  void disparity(const std::string& name, const DisparityMap& disparity) const;  // absent: dark blue
-  void sources(const std::string& name, const Plane<uint8_t>& sources) const;    // one hue a frame, absent: black
+              int largest) const;                                                  // grey; above `largest`: black
+  void disparity(const std::string& name, const DisparityMap& disparity) const;    // absent: dark blue
+  void sources(const std::string& name, const Plane<uint8_t>& sources) const;      // one hue a frame, absent: black
+  void agreement(const std::string& name, const Plane<uint8_t>& agreement) const;  // a colour a class; agrees: white
   void colour(const std::string& name, const RgbImage& colour) const;
   void visibility(const std::string& name, const std::vector<VisibilityMap>& maps) const;
 

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "core/view/inpainting.h"
 #include "core/view/mesh/mesh.h"
@@ -77,6 +78,9 @@ struct Renderer::Prepared {
 
 Renderer::Renderer(const LayeredPanorama& panorama)
     : prepared_(new Prepared{panorama.grid, render::build_mesh(panorama), {}, {}}) {}
+
+Renderer::Renderer(LayeredPanorama&& panorama)
+    : prepared_(new Prepared{panorama.grid, render::build_mesh(std::move(panorama)), {}, {}}) {}
 
 Renderer::~Renderer() = default;
 

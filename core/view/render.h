@@ -33,6 +33,7 @@ struct View {
 class Renderer {
  public:
   explicit Renderer(const LayeredPanorama& panorama);  // the panorama is not needed afterwards
+  explicit Renderer(LayeredPanorama&& panorama);       // the same; lets go of it while preparing
   ~Renderer();
   View render(const Camera& camera, const RenderOptions& options, const Job& job = {}) const;
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "core/view/mesh/prepared_layer.h"
 #include "core/view/mesh/torn_quads.h"
@@ -27,29 +28,21 @@ void check(const Layer& layer, const PanoramaGrid& grid, size_t index) {
     throw std::logic_error("Renderer: layer " + std::to_string(index) + " is not as large as the panorama");
 }
 
-// Largest error of each pixel's inverse depth that comes from its code alone.
-float code_step(const PanoramaGrid& grid, const DepthCodes& depth, int x, int y) {
-  const BlockRange range =
-      depth.block_px == 0 ? depth.ranges.samples[0] : depth.ranges.at(x / depth.block_px, y / depth.block_px);
-  return static_cast<float>((grid.w_near - grid.w_far) * (range.high - range.low) / kDisparitySteps);
-}
-
-PreparedLayer prepare_layer(const PanoramaGrid& grid, const Layer& layer) {
+PreparedLayer prepare_layer(const PanoramaGrid& grid, const CodedDepths& depths, const Layer& layer) {
   const int columns = grid.wraps ? grid.width + 1 : grid.width;
-  PreparedLayer prepared{Plane<float>(columns, grid.height, kAbsent),
-                         Plane<Rgba>(columns, grid.height),
-                         {},
-                         Plane<float>(columns, grid.height)};
+  PreparedLayer prepared{Plane<float>(columns, grid.height, kAbsent), Plane<Rgba>(columns, grid.height),
+                         Plane<uint16_t>(columns, grid.height, kNoDisparity), Plane<uint8_t>(columns, grid.height)};
   for (int y = 0; y < grid.height; ++y)
     for (int column = 0; column < columns; ++column) {
       const int x = column == grid.width ? 0 : column;
       if (!layer.coverage.at(x, y)) continue;
       const uint8_t alpha = layer.alpha.empty() ? uint8_t{255} : layer.alpha.at(x, y);
-      prepared.w.at(column, y) = static_cast<float>(grid.inverse_depth(layer.depth.disparity(x, y)));
+      const BlockRange range = layer.depth.range(x, y);
+      prepared.code.at(column, y) = layer.depth.disparity(x, y);
+      prepared.w.at(column, y) = depths.w(prepared.code.at(column, y));
       prepared.colour.at(column, y) = pack(layer.colour.at(x, y), alpha);
-      prepared.step.at(column, y) = code_step(grid, layer.depth, x, y);
+      prepared.step.at(column, y) = static_cast<uint8_t>(range.high - range.low);
     }
-  prepared.code_w = prepared.w;
   return prepared;
 }
 
@@ -58,11 +51,12 @@ PreparedLayer prepare_layer(const PanoramaGrid& grid, const Layer& layer) {
 // than its code's rounding allows.
 class CodeSmoother {
  public:
-  CodeSmoother(PreparedLayer& layer, float parallax) : layer_(layer), w_(layer.w), parallax_(parallax) {
+  CodeSmoother(PreparedLayer& layer, const CodedDepths& depths, float parallax)
+      : layer_(layer), depths_(depths), w_(layer.w), parallax_(parallax) {
     constexpr float kFine = 0.1F;  // share of the tear threshold's parallax below which steps do not show
     for (int y = 0; y < w_.height; ++y)
       for (int x = 0; x < w_.width; ++x)
-        if (w_.at(x, y) >= 0 && layer.step.at(x, y) > kFine * parallax) add(x, y);
+        if (w_.at(x, y) >= 0 && depths.step(layer.step.at(x, y)) > kFine * parallax) add(x, y);
   }
 
   void run() {
@@ -87,10 +81,8 @@ class CodeSmoother {
       const int nx = x + kNeighbours[k][0], ny = y + kNeighbours[k][1];
       if (!w_.contains(nx, ny)) continue;
       const size_t n = w_.index(nx, ny);
-      if (!connected(layer_.code_w.samples[pixel.index], layer_.step.samples[pixel.index], layer_.code_w.samples[n],
-                     layer_.step.samples[n], parallax_))
-        continue;
-      pixel.weight[k] = 1 / (layer_.step.samples[n] + 0.1F * parallax_);
+      if (!connected(coded(pixel.index), step(pixel.index), coded(n), step(n), parallax_)) continue;
+      pixel.weight[k] = 1 / (step(n) + 0.1F * parallax_);
       sum += pixel.weight[k];
     }
     if (sum <= 0) return;
@@ -105,11 +97,15 @@ class CodeSmoother {
       if (pixel.weight[k] > 0)
         mean +=
             pixel.weight[k] * w_.samples[static_cast<size_t>(static_cast<std::ptrdiff_t>(pixel.index) + offsets[k])];
-    const float code = layer_.code_w.samples[pixel.index], half = 0.5F * layer_.step.samples[pixel.index];
+    const float code = coded(pixel.index), half = 0.5F * step(pixel.index);
     w_.samples[pixel.index] = std::max(0.0F, std::clamp(mean, code - half, code + half));
   }
 
-  PreparedLayer& layer_;
+  float coded(size_t i) const { return depths_.w(layer_.code.samples[i]); }
+  float step(size_t i) const { return depths_.step(layer_.step.samples[i]); }
+
+  const PreparedLayer& layer_;
+  const CodedDepths& depths_;
   Plane<float>& w_;
   float parallax_;
   std::vector<Pixel> pixels_;
@@ -125,7 +121,8 @@ using Corners = std::array<Corner, 4>;
 
 class Builder {
  public:
-  explicit Builder(const LayeredPanorama& panorama);
+  explicit Builder(const PanoramaGrid& grid);
+  void add(const Layer& layer);  // front to back
   Mesh build();
 
  private:
@@ -140,27 +137,29 @@ class Builder {
     return render::connected(a.code_w, a.step, b.code_w, b.step, parallax_);
   }
 
-  const PanoramaGrid& grid_;
+  PanoramaGrid grid_;
+  CodedDepths depths_;
   std::vector<PreparedLayer> layers_;
   float parallax_ = 0;
 };
 
-Builder::Builder(const LayeredPanorama& panorama) : grid_(panorama.grid) {
+Builder::Builder(const PanoramaGrid& grid) : grid_(grid), depths_(grid) {
   const double radius = grid_.arc.radius > 0 ? grid_.arc.radius : 1;
   parallax_ = static_cast<float>(kParallaxPx * grid_.v_pitch / radius);
-  for (size_t i = 0; i < panorama.layers.size(); ++i) {
-    check(panorama.layers[i], grid_, i);
-    layers_.push_back(prepare_layer(grid_, panorama.layers[i]));
-    // With one range for all, neighbouring codes are as often two surfaces as one.
-    if (panorama.layers[i].depth.block_px != 0) CodeSmoother(layers_.back(), parallax_).run();
-  }
-  if (!layers_.empty()) layers_.push_back(make_underlay(layers_, grid_.wraps, parallax_));
+}
+
+void Builder::add(const Layer& layer) {
+  check(layer, grid_, layers_.size());
+  layers_.push_back(prepare_layer(grid_, depths_, layer));
+  // With one range for all, neighbouring codes are as often two surfaces as one.
+  if (layer.depth.block_px != 0) CodeSmoother(layers_.back(), depths_, parallax_).run();
 }
 
 Corner Builder::corner(int layer, int x, int y) const {
   const PreparedLayer& from = layers_[static_cast<size_t>(layer)];
   const size_t i = from.step.index(x, y);
-  return {from.w.samples[i], from.code_w.samples[i], from.step.samples[i], from.colour.samples[i]};
+  return {from.w.samples[i], depths_.w(from.code.samples[i]), depths_.step(from.step.samples[i]),
+          from.colour.samples[i]};
 }
 
 // Surfaces of a quad: the index of a corner's surface is its first corner's; -1 = absent.
@@ -281,6 +280,7 @@ MeshTile Builder::build_tile(int layer, int x0, int y0) const {
 }
 
 Mesh Builder::build() {
+  if (!layers_.empty()) layers_.push_back(make_underlay(layers_, depths_, grid_.wraps, parallax_));
   Mesh mesh;
   mesh.layers = static_cast<int>(layers_.size());
   for (int layer = 0; layer < static_cast<int>(layers_.size()); ++layer)
@@ -294,11 +294,28 @@ Mesh Builder::build() {
 
 }  // namespace
 
+CodedDepths::CodedDepths(const PanoramaGrid& grid) {
+  for (int code = 0; code <= kDisparitySteps; ++code)
+    w_[static_cast<size_t>(code)] = static_cast<float>(grid.inverse_depth(code));
+  for (int step = 0; step < 256; ++step)
+    steps_[static_cast<size_t>(step)] = static_cast<float>((grid.w_near - grid.w_far) * step / kDisparitySteps);
+}
+
 bool connected(float a, float a_step, float b, float b_step, float parallax) {
   if (a < 0 || b < 0) return false;
   return std::abs(a - b) <= 0.51F * (a_step + b_step) + kSlant * std::max(a, b) + parallax;
 }
 
-Mesh build_mesh(const LayeredPanorama& panorama) { return Builder(panorama).build(); }
+Mesh build_mesh(const LayeredPanorama& panorama) {
+  Builder builder(panorama.grid);
+  for (const Layer& layer : panorama.layers) builder.add(layer);
+  return builder.build();
+}
+
+Mesh build_mesh(LayeredPanorama&& panorama) {
+  Builder builder(panorama.grid);
+  for (Layer& layer : panorama.layers) builder.add(std::exchange(layer, {}));
+  return builder.build();
+}
 
 }  // namespace ldp::render

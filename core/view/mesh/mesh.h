@@ -71,5 +71,6 @@ struct Mesh {
 };
 
 Mesh build_mesh(const LayeredPanorama& panorama);
+Mesh build_mesh(LayeredPanorama&& panorama);  // the same; lets go of each layer while the next is prepared
 
 }  // namespace ldp::render

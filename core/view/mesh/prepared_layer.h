@@ -1,7 +1,13 @@
 // A layer of a panorama made ready for its mesh, and which of its pixels belong together.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
 #include "core/base/plane.h"
+#include "core/geometry/disparity.h"
+#include "core/geometry/geometry.h"
 #include "core/view/mesh/mesh.h"
 
 namespace ldp::render {
@@ -10,8 +16,21 @@ namespace ldp::render {
 struct PreparedLayer {
   Plane<float> w;  // inverse depth; kAbsent where the layer is not present
   Plane<Rgba> colour;
-  Plane<float> code_w;  // inverse depth exactly as coded, for telling surfaces apart
-  Plane<float> step;    // difference of inverse depth between neighbouring codes
+  // For telling surfaces apart: disparity exactly as coded (kNoDisparity where absent), and between neighbouring codes.
+  Plane<uint16_t> code;
+  Plane<uint8_t> step;
+};
+
+// Inverse depths of codes.
+class CodedDepths {
+ public:
+  explicit CodedDepths(const PanoramaGrid& grid);
+  float w(uint16_t code) const { return code == kNoDisparity ? kAbsent : w_[code]; }
+  float step(uint8_t disparities) const { return steps_[disparities]; }
+
+ private:
+  std::array<float, kDisparitySteps + 1> w_{};
+  std::array<float, 256> steps_{};
 };
 
 // Whether two pixels whose codes stand for inverse depths a and b are of one surface; neither is when it is absent.

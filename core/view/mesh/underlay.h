@@ -10,6 +10,7 @@
 namespace ldp::render {
 
 // Layers of one size, at least one. `wraps`: the last column is the first one again. Colours are those of the edge.
-PreparedLayer make_underlay(const std::vector<PreparedLayer>& layers, bool wraps, float parallax);
+PreparedLayer make_underlay(const std::vector<PreparedLayer>& layers, const CodedDepths& depths, bool wraps,
+                            float parallax);
 
 }  // namespace ldp::render

@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/exact_math.h"
+#include "core/geometry/voxel_projection.h"
+
 namespace ldp::render {
 namespace {
 
@@ -21,16 +24,22 @@ float largest_r2(const Intrinsics& k) {
 
 ViewFrustum::ViewFrustum(const PanoramaGrid& grid, const Camera& camera)
     : intrinsics_(camera.intrinsics), last_column_(grid.width) {
-  const Eigen::Matrix3d camera_from_world = camera.pose.world_from_camera.transpose();
-  const Eigen::Vector3d n = camera_from_world * grid.arc.axis();
+  // The arc's axes and centre as the camera sees them.
+  const auto in_camera = [&](const Eigen::Vector3d& in_world) {
+    const Eigen::Vector3d x = exact_transposed_product(camera.pose.world_from_camera, in_world);
+    return Eigen::Vector3d(snapped(x.x()), snapped(x.y()), snapped(x.z()));
+  };
+  const Eigen::Matrix3d& axes = grid.arc.world_from_arc;
+  const Eigen::Vector3d ahead = in_camera(axes.col(0)), aside = in_camera(axes.col(1)), n = in_camera(axes.col(2)),
+                        centre = in_camera(grid.arc.centre - camera.pose.centre);
   nx_ = static_cast<float>(n.x()), ny_ = static_cast<float>(n.y()), nz_ = static_cast<float>(n.z());
   const size_t columns = static_cast<size_t>(grid.width) + 1;
   for (auto* table : {&ax_, &ay_, &az_, &bx_, &by_, &bz_, &b_length_}) table->resize(columns + kTilePx);
   for (size_t x = 0; x < columns; ++x) {
     const size_t ray = grid.wraps && x + 1 == columns ? 0 : x;
-    const double theta = grid.theta(static_cast<double>(ray) + 0.5);
-    const Eigen::Vector3d a = camera_from_world * grid.arc.outward(theta);
-    const Eigen::Vector3d b = camera_from_world * (grid.origin(theta) - camera.pose.centre);
+    const Heading u = heading(grid.theta(static_cast<double>(ray) + 0.5));
+    const Eigen::Vector3d a = u.cos * ahead + u.sin * aside;
+    const Eigen::Vector3d b = grid.ray_radius() * a + centre;
     ax_[x] = static_cast<float>(a.x()), ay_[x] = static_cast<float>(a.y()), az_[x] = static_cast<float>(a.z());
     bx_[x] = static_cast<float>(b.x()), by_[x] = static_cast<float>(b.y()), bz_[x] = static_cast<float>(b.z());
     b_length_[x] = static_cast<float>(b.norm());

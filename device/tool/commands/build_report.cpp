@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/panorama/file/ldp_file.h"
 
@@ -73,6 +74,39 @@ Json poses_json(const PosesReport& poses) {
   return json;
 }
 
+Json residuals_json(const ResidualStatistics& of) {
+  Json json = {{"pixels", of.pixels},
+               {"psnr_db", of.psnr_db()},
+               {"hole_share", of.hole_share()},
+               {"unexplained_share", of.unexplained_share()}};
+  for (int i = 0; i < kAgreements; ++i) {
+    const auto agreement = static_cast<Agreement>(i);
+    json["shares"][name_of(agreement)] = of.share(agreement);
+  }
+  return json;
+}
+
+Json consistency_json(const ConsistencyReport& report) {
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  Json json = residuals_json(report.all);
+  json["photos"] = Json::array();
+  for (const PhotoResiduals& photo : report.photos) {
+    Json entry = {{"name", photo.name},
+                  {"noise", photo.noise},
+                  {"shift_px", {photo.shift_x, photo.shift_y}},
+                  {"sharpness", photo.sharpness}};
+    entry.update(residuals_json(photo.statistics));
+    json["photos"].push_back(std::move(entry));
+  }
+  json["directions"] = Json::array();
+  for (const DirectionResiduals& direction : report.directions) {
+    Json entry = {{"from_deg", direction.from * kDegrees}, {"to_deg", direction.to * kDegrees}};
+    entry.update(residuals_json(direction.statistics));
+    json["directions"].push_back(std::move(entry));
+  }
+  return json;
+}
+
 Json report_json(const BuildReport& report, const LayeredPanorama& panorama) {
   Json json;
   double total = 0;
@@ -85,6 +119,7 @@ Json report_json(const BuildReport& report, const LayeredPanorama& panorama) {
                       {"wraps", panorama.grid.wraps},   {"w_far", panorama.grid.w_far},
                       {"w_near", panorama.grid.w_near}, {"layers", panorama.layers.size()}};
   json["coverage"] = report.coverage;
+  json["consistency"] = consistency_json(report.consistency);
   json["arc"] = arc_json(report.arc);
   json["solves"] = Json::array();
   for (const SolveEntry& solve : report.solves) json["solves"].push_back(solve_json(solve));

@@ -1,0 +1,72 @@
+// What each pixel of one photograph says of the panorama, asked of the photographs beside it.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/base/plane.h"
+#include "core/consistency/consistency.h"
+#include "core/geometry/geometry.h"
+
+namespace ldp::consistency {
+
+// A photograph at even exposure, and the panorama's z-depth as its camera sees it (0 = hole, infinity).
+struct Held {
+  const Camera* camera = nullptr;
+  RgbImage photo;
+  Plane<float> depth;
+};
+
+// The rendering to compare it with.
+struct Rendering {
+  RgbImage colour;
+  Plane<uint8_t> alpha;
+};
+
+constexpr int kCellPx = 32;  // statistics are gathered by cells of the photograph
+
+// Median absolute difference in grey where the photograph is plain.
+double plain_noise(const RgbImage& photo, const Rendering& rendering);
+
+class Classifier {
+ public:
+  // `beside` are the photographs that are asked. `most_inverse_z`: of the depths that are tried.
+  Classifier(const Held& own, const Rendering& rendering, std::vector<const Held*> beside, double most_inverse_z,
+             int tolerance, int most_depths);
+
+  // Of one cell: its statistics, and every second of its pixels in `map`, which is half as large as the photograph.
+  ResidualStatistics cell(int x0, int y0, Plane<uint8_t>& map) const;
+
+ private:
+  // Where another camera sees what lies along a ray of this one (z = 1) at an inverse z.
+  struct Seen {
+    bool inside = false;
+    int x = 0, y = 0;
+    double z = 0;  // times inverse z, as is what follows it
+  };
+  struct View {
+    const Held* held;
+    std::array<double, 9> turn;  // this camera's axes to the other's
+    std::array<double, 3> step;  // own centre in the other's axes
+  };
+  struct Offset {
+    std::array<int, 3> median{};
+  };
+
+  Agreement classify(int x, int y, const Offset& brightness) const;
+  int depths_to_try() const;
+  Agreement ask_others(int x, int y) const;
+  bool agree(const RgbImage& a, int ax, int ay, const RgbImage& b, int bx, int by, const Offset& brighter) const;
+  Offset median_difference(int x0, int y0) const;
+  Seen look(const View& view, const Eigen::Vector3d& ray, double inverse_z) const;
+  bool visible(const View& view, const Seen& seen, double inverse_z) const;
+  bool patches_agree(int x, int y, const Eigen::Vector3d& ray, double inverse_z) const;
+
+  const Held& own_;
+  const Rendering& rendering_;
+  std::vector<View> views_;
+  double most_inverse_z_;
+  int tolerance_, most_depths_;
+};
+
+}  // namespace ldp::consistency

@@ -1,0 +1,36 @@
+// Photographs at even exposure beside what the panorama shows in their place, one after another.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "core/base/job.h"
+#include "core/consistency/consistency.h"
+#include "core/consistency/section.h"
+#include "core/panorama/panorama.h"
+#include "core/view/render.h"
+
+namespace ldp::consistency {
+
+struct RenderedPhoto {
+  RgbImage photo;
+  View view;  // with depth
+};
+
+class RenderedPhotos {
+ public:
+  // Refers to both.
+  RenderedPhotos(const Evidence& evidence, const LayeredPanorama& panorama);
+
+  // Of each camera, by rising index.
+  RenderedPhoto take(size_t camera, const Job& job);
+
+ private:
+  const Evidence& evidence_;
+  const LayeredPanorama& panorama_;
+  std::vector<CameraGroup> groups_;
+  std::optional<Renderer> renderer_;  // of the group of the camera taken last
+};
+
+}  // namespace ldp::consistency

@@ -1,0 +1,1 @@
+ldp_test(consistency_test SOURCES consistency_test.cpp USES ldp_consistency)
