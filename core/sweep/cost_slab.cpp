@@ -128,8 +128,9 @@ void SlabScratch::reserve(int height, int longest_column) {
     }
   grow(contrast, rows);
   grow(reference_tint, rows);
-  grow(phi, rows);
+  for (auto& buffer : phi) grow(buffer, rows);
   grow(total, rows);
+  grow(box, rows);
   grow(cost, rows);
 }
 
@@ -142,23 +143,28 @@ void sweep_slab(const LineTable& lines, double inverse_depth, const Window& wind
   Lines found;
   for (int i = 0; i < window.width + 2 * kHalo; ++i) {
     lines.find(window.x - kHalo + i, inverse_depth, y_begin, y_end, found);
-    uint8_t* grey = scratch.medians[i % (kHalo + 1)].data();
-    Column(found, y_begin, y_end, prior_cost, scratch)
-        .compute(scratch.phi.data(), {grey, scratch.reference_tint.data()});
+    uint8_t *grey = scratch.medians[i % kSupport].data(), *phi = scratch.phi[i % kSupport].data();
+    Column(found, y_begin, y_end, prior_cost, scratch).compute(phi, {grey, scratch.reference_tint.data()});
     if (with_contrast) take_range(i, grey, window.height, scratch);
     uint16_t* leaving = scratch.sums[i % 5].data();
     uint16_t* total = scratch.total.data();
     // The sums that leave make room for those that enter.
     uint16_t* entering = scratch.cost.data();
-    scratch.kernels.sum5(scratch.phi.data(), boxes, entering);
+    scratch.kernels.sum5(phi, boxes, entering);
     scratch.kernels.slide(entering, leaving, boxes, total);
     std::copy(entering, entering + boxes, leaving);
     if (i < 4) continue;
     scratch.kernels.min3_rows(total, window.height, scratch.lowest[i % 3].data());
     if (i < 2 * kHalo) continue;
     scratch.kernels.min3_columns(scratch.lowest[0].data(), scratch.lowest[1].data(), scratch.lowest[2].data(),
-                                 window.height, scratch.cost.data());
-    sink.column(i - 2 * kHalo, scratch.cost.data(), scratch.medians[(i + 1) % (kHalo + 1)].data() + kHalo,
+                                 window.height, scratch.box.data());
+    const uint8_t *costs[kSupport], *greys[kSupport];  // of the columns around the one that is complete now
+    for (int k = 0; k < kSupport; ++k) {
+      costs[k] = scratch.phi[(i + 1 + k) % kSupport].data();
+      greys[k] = scratch.medians[(i + 1 + k) % kSupport].data();
+    }
+    scratch.kernels.adaptive_support(costs, greys, scratch.box.data(), window.height, scratch.cost.data());
+    sink.column(i - 2 * kHalo, scratch.cost.data(), greys[kHalo] + kHalo,
                 with_contrast ? scratch.contrast.data() : nullptr);
   }
 }

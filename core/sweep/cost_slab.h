@@ -1,5 +1,6 @@
-// One slab of the disparity space image: the matching cost of every ray of a window at ONE disparity, after the 5x5 box
-// and the +-1 shiftable window (paper 3.2). Columns stream: five columns of sums and three of minima are all it holds.
+// One slab of the disparity space image: the matching cost of every ray of a window at ONE disparity, after the 5x5
+// box, the +-1 shiftable window (paper 3.2) and adaptive support (sweep_kernels.h). Columns stream: seven columns of
+// costs, five of sums and three of minima are all it holds.
 #pragma once
 
 #include <cstdint>
@@ -23,13 +24,13 @@ class SlabScratch {
   const kernels::Kernels& kernels;
   std::vector<uint8_t> blended, blended_tint;  // a source column between two
   std::vector<uint8_t> samples[kernels::kMaxViews], tints[kernels::kMaxViews], masks[kernels::kMaxViews];
-  std::vector<uint8_t> phi, medians[kHalo + 1], reference_tint;
+  std::vector<uint8_t> phi[kSupport], medians[kSupport], reference_tint;
   // Of each column's reference, over kSupport rows.
   struct Range {
     std::vector<uint8_t> low, high;
   } greys[kSupport], hues[kSupport];
   std::vector<uint8_t> contrast;
-  std::vector<uint16_t> sums[5], total, lowest[3], cost;
+  std::vector<uint16_t> sums[5], total, lowest[3], box, cost;
 };
 
 class SlabSink {

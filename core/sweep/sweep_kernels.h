@@ -18,6 +18,9 @@ constexpr uint8_t kTintNoise = 4;         // and levels of tint: chroma is coars
 constexpr int kWeightBits = 6;            // of linear interpolation
 constexpr int kWeightOne = 1 << kWeightBits;
 
+constexpr uint8_t kAlike = 10;  // grey levels that pixels of one surface next to each other may differ by
+constexpr int kBoxShare = 10;   // pixels that the box counts for beside those alike
+
 constexpr int kSmoothReach = 5;       // of the smoothing window: 11 x 11
 constexpr int kSmoothBinSteps = 128;  // disparity steps of a bin of its median
 constexpr uint8_t kNoBin = 255;       // of a pixel without disparity
@@ -87,6 +90,15 @@ struct Kernels {
 
   // out[i] = min(a[i], b[i], c[i]); values below 2^15.
   void (*min3_columns)(const uint16_t* a, const uint16_t* b, const uint16_t* c, int count, uint16_t* out);
+
+  // The mean of a column's costs over the pixels around each that look like it: adaptive support (Yoon and Kweon, PAMI
+  // 2006) with weights of 0 and 1 on every second pixel of a window of 7 x 7, its own among them. cost[k] and grey[k],
+  // k = 0 .. 6, are the columns from the third before it on; with n of the 25 greys within kAlike of grey[3][i + 3],
+  // and s the sum of their costs, each at most kLargestVariance,
+  //   out[i] = (25 s + kBoxShare box[i]) / (n + kBoxShare), rounded down.
+  // `box`: sums of 25 costs, which are trusted where few pixels are alike.
+  void (*adaptive_support)(const uint8_t* const* cost, const uint8_t* const* grey, const uint16_t* box, int count,
+                           uint16_t* out);
 
   // Where sum[i] / 25 < best[i] (or `first`): best[i] = sum[i] / 25, best_median[i] = median[i].
   void (*keep_best)(const uint16_t* sum, const uint8_t* median, bool first, int count, uint8_t* best,

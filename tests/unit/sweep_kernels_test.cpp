@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <random>
@@ -214,6 +215,32 @@ TEST_P(SweepKernels, SumsAndMinimaOfWindows) {
       ASSERT_EQ(total[i], static_cast<uint16_t>(c[i] + a[i] - b[i]));
       ASSERT_EQ(rows[i], std::min({a[i], a[i + 1], a[i + 2]}));
       ASSERT_EQ(columns[i], std::min({a[i], b[i], c[i]}));
+    }
+  }
+}
+
+TEST_P(SweepKernels, AdaptiveSupportIsTheMeanOverPixelsAlike) {
+  constexpr int kWindow = 7, kMiddle = 3;
+  std::array<std::vector<uint8_t>, kWindow> costs, greys;
+  const uint8_t *cost[kWindow], *grey[kWindow];
+  for (size_t x = 0; x < kWindow; ++x) {
+    cost[x] = (costs[x] = noise<uint8_t>(kLongest + kWindow, kLargestVariance)).data();
+    grey[x] = (greys[x] = noise<uint8_t>(kLongest + kWindow, 30)).data();
+  }
+  const auto box = noise<uint16_t>(kLongest, 25 * kLargestVariance);
+  for (int count = 1; count <= kLongest; ++count) {
+    std::vector<uint16_t> out(kLongest + kPadding);
+    k().adaptive_support(cost, grey, box.data(), count, out.data());
+    for (int i = 0; i < count; ++i) {
+      int sum = 0, alike = 0;
+      for (int x = 0; x < kWindow; ++x)
+        for (int y = 0; y < kWindow; ++y) {
+          if ((x + y) % 2 != 0 || std::abs(grey[x][i + y] - grey[kMiddle][i + kMiddle]) > kAlike) continue;
+          sum += cost[x][i + y];
+          ++alike;
+        }
+      ASSERT_EQ(out[static_cast<size_t>(i)], (25 * sum + kBoxShare * box[static_cast<size_t>(i)]) / (alike + kBoxShare))
+          << count;
     }
   }
 }

@@ -98,7 +98,7 @@ TEST(CostVolume, SmallDifferencesOfAPlainSurfaceTellNoLabelsApart) {
   const PanoramaGrid grid = simple_grid(0.6);
   const Window window{30, 15, 40, 30};
   const Costs plain = read(CostVolume(shaded_pictures(4), grid, {}, {}, {}), window),
-              textured = read(CostVolume(shaded_pictures(40), grid, {}, {}, {}), window);
+              textured = read(CostVolume(shaded_pictures(36), grid, {}, {}, {}), window);
   for (size_t pixel = 0; pixel < 1200; ++pixel) {
     ASSERT_EQ(costs_of_a_pixel(plain, pixel), 1) << pixel;
     ASSERT_GT(costs_of_a_pixel(textured, pixel), 4) << pixel;
