@@ -27,6 +27,7 @@ ViewFrustum::ViewFrustum(const PanoramaGrid& grid, const Camera& camera)
   // The arc's axes and centre as the camera sees them.
   const auto in_camera = [&](const Eigen::Vector3d& in_world) {
     const Eigen::Vector3d x = exact_transposed_product(camera.pose.world_from_camera, in_world);
+    const auto snapped = [](double value) { return kept(value, Rounding::snapped); };
     return Eigen::Vector3d(snapped(x.x()), snapped(x.y()), snapped(x.z()));
   };
   const Eigen::Matrix3d& axes = grid.arc.world_from_arc;
