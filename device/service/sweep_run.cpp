@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -61,6 +62,8 @@ void SweepRun::read_frame() {
     take(std::move(*frame));
   } catch (const std::runtime_error& error) {
     log_warning(std::string("a frame was skipped: ") + error.what());  // a JPEG damaged on its way
+  } catch (const std::bad_alloc&) {
+    log_warning("a frame was skipped: not enough memory");
   }
 }
 
