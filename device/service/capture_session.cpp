@@ -239,6 +239,7 @@ void CaptureSession::begin_sweep() {
   sweep_closing_ = false;  // of a sweep whose build was cancelled: its last frames are written all the same
   capture_.clear();
   storage_problem_.clear();
+  say("opening the camera");  // so that a second refusal in a row is told, too
   try {
     if (sweeps_left() < 1) {
       throw std::runtime_error(

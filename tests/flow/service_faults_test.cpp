@@ -236,5 +236,20 @@ TEST_F(LdpdTest, ACancelledLdpCaptureLeavesNoFrame) {
   EXPECT_FALSE(fs::exists(room_ / "one"));
 }
 
+TEST_F(LdpdTest, EveryRefusalOfASweepIsToldHoweverManyInARow) {
+  script("press wait 200 release wait 500 press wait 200 release wait 600000");
+  std::vector<std::string> words = command({"--status", "console:"});
+  words[4] = "folder:" + (room_ / "nowhere").string();
+  Process service(words, room_ / "said");
+  const auto refusals = [&] {
+    const std::string said = text_of(room_ / "said");
+    int count = 0;
+    for (size_t at = 0; (at = said.find("failed: cannot read the folder", at)) != std::string::npos; ++at) ++count;
+    return count;
+  };
+  for (int i = 0; i < 2000 && refusals() < 2; ++i) std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_EQ(refusals(), 2);
+}
+
 }  // namespace
 }  // namespace ldp
