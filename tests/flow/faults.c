@@ -8,6 +8,7 @@
 //     file
 //                  is there); shift SECONDS (of clock: the wall clock is that much off)
 //   LDP_FAULTS_IN  name of the only program that is meant; others that inherit the variables are left alone
+//   LDP_FAULTS_WHILE  only while this file is there
 //   LDP_FAULTS_LOG file to which every action is appended as a line, and "polls N", the main thread's, at the end
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -38,6 +39,7 @@ struct rule {
 static struct rule rules[MOST_RULES];
 static int rule_count;
 static const char* log_file;
+static const char* while_file;
 static atomic_long polls;
 
 static void* libc(const char* name) { return dlsym(RTLD_NEXT, name); }
@@ -76,6 +78,7 @@ __attribute__((constructor)) static void begin(void) {
   const char* const only = getenv("LDP_FAULTS_IN");
   if (only && strcmp(only, program_invocation_short_name) != 0) return;
   log_file = getenv("LDP_FAULTS_LOG");
+  while_file = getenv("LDP_FAULTS_WHILE");
   if (getenv("LDP_FAULTS")) parse(getenv("LDP_FAULTS"));
 }
 
@@ -117,6 +120,7 @@ static const struct rule* rule_for(const char* call, const char* path, size_t si
     struct rule* const rule = &rules[i];
     if (strcmp(rule->call, call) != 0) continue;
     if (!matches(rule->match, path, size)) continue;
+    if (while_file && access(while_file, F_OK) != 0) continue;
     const long number = atomic_fetch_add(&rule->calls, 1) + 1;
     if (number < rule->first || number > rule->last) continue;
     if (strcmp(call, "clock") != 0) {

@@ -1,5 +1,5 @@
 // The service as a whole, as a process: simulated camera and button, a stand-in for the build, and everything that can
-// go wrong on the way. LDP_KILLS=200 is the long form of the kill tests.
+// go wrong on the way. toolchain/kills runs the long form of the kill tests.
 #include "tests/flow/ldpd.h"
 
 #include <lcm/lcm-cpp.hpp>

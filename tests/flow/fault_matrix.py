@@ -1,0 +1,401 @@
+#!/usr/bin/env python3
+"""What becomes of a capture, a service, a build, a file and an export when one system call fails under them.
+
+    tests/flow/fault_matrix.py BUILD [PART ...]      parts: capture service build read export; default: all
+
+Every row is one run under faults.c: which call of which kind fails how. The columns are what must hold:
+    said   what failed is told in a line (or nothing had to be told: the work was done all the same)
+    kept   nothing that was stored before, or was reported stored, is lost or changed
+    next   the next sweep, build or export works, in the same process where that goes on
+    clean  no descriptor more than before, no process, no temporary file, no half output
+A row whose call is not made that often says so and counts nothing. Exit status 1 if any column of any row fails.
+"""
+import hashlib
+import os
+import pty
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+QUICK = ["--layers", "1", "--iterations", "1", "--labels", "2"]
+PATIENCE_S = 120
+TOLD = {"ENOSPC": "No space left", "EIO": "Input/output error", "EROFS": "Read-only", "EMFILE": "Too many open files",
+        "ENOMEM": "emory", "EAGAIN": "temporarily unavailable", "EINTR": "Interrupted", "EACCES": "denied"}
+STUB = """#!/bin/bash
+capture=$2 file=$4
+[[ " $* " != *' --follow '* ]] || while [ "$line" != end ]; do read -r line || exit 130; done
+(ls "$capture"; echo ended) > "$file" || exit 2
+"""
+
+
+def tree(folder):
+    """Path -> digest of everything below a folder."""
+    found = {}
+    for root, _, names in os.walk(folder):
+        for name in names:
+            path = os.path.join(root, name)
+            with open(path, "rb") as file:
+                found[os.path.relpath(path, folder)] = hashlib.sha256(file.read()).hexdigest()
+    return found
+
+
+def leftovers(folder):
+    """Temporary files and half outputs."""
+    return [path for path in tree(folder) if path.endswith(".tmp") or ".building/" in path or ".partial" in path]
+
+
+class Row:
+    def __init__(self, part, fault):
+        self.part, self.fault = part, fault
+        self.hit, self.outcome, self.columns, self.why = True, "", {}, []
+
+    def hold(self, column, holds, why=""):
+        self.columns[column] = self.columns.get(column, True) and bool(holds)
+        if not holds:
+            self.why.append(f"{column}: {why}")
+
+    def ok(self):
+        return all(self.columns.values())
+
+
+class Matrix:
+    def __init__(self, build):
+        self.bin = os.path.abspath(os.path.join(build, "bin"))
+        self.faults = os.path.abspath(os.path.join(build, "tests/flow/libfaults.so"))
+        self.room = tempfile.mkdtemp(prefix="ldp_matrix_")
+        self.rows = []
+
+    def path(self, *names):
+        return os.path.join(self.room, *names)
+
+    def environment(self, program, rule):
+        env = dict(os.environ)
+        if rule.startswith("TZ="):
+            env["TZ"] = rule[3:]
+        elif rule:
+            env.update(LD_PRELOAD=self.faults, LDP_FAULTS=rule, LDP_FAULTS_IN=program,
+                       LDP_FAULTS_LOG=self.path("hits"), ASAN_OPTIONS="verify_asan_link_order=0")
+        return env
+
+    def ldp(self, words, rule="", program="ldp"):
+        if os.path.exists(self.path("hits")):
+            os.remove(self.path("hits"))
+        return subprocess.run([os.path.join(self.bin, program)] + words, env=self.environment(program, rule),
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PATIENCE_S)
+
+    def was_hit(self, rule):
+        if rule.startswith("TZ=") or rule.startswith("clock"):
+            return True
+        with open(self.path("hits")) as file:
+            return any(not line.startswith("polls") for line in file)
+
+    # --- what is made once, in peace
+
+    def prepare(self):
+        made = self.ldp(["capture", "--camera", "scene:courtyard?fps=1000&hold=no&width=160&height=120", "--button",
+                         "script:" + self.script("press wait 600000 release"), "-o", self.path("frames")],
+                        program="ldp-device")
+        if made.returncode != 0:
+            sys.exit("cannot make frames: " + made.stderr)
+        os.remove(self.path("frames", "capture.json"))
+        self.originals = set(tree(self.path("frames")).values())
+        built = self.ldp(["build", self.path("frames"), "-o", self.path("good.ldp")] + QUICK)
+        if built.returncode != 0:
+            sys.exit("cannot build: " + built.stderr)
+        with open(self.path("stub"), "w") as file:
+            file.write(STUB)
+        os.chmod(self.path("stub"), 0o755)
+
+    def script(self, words):
+        with open(self.path("script"), "w") as file:
+            file.write(words + "\n")
+        return self.path("script")
+
+    def camera(self):
+        return "folder:" + self.path("frames") + "?fps=100&hold=no"
+
+    # --- a run of ldp, before and after which its folder is compared
+
+    def said(self, row, rule, status, text):
+        lines = [line for line in text.splitlines() if line.strip()]
+        action = rule.split()[3] if len(rule.split()) > 3 else ""
+        if status != 0:
+            row.hold("said", len(lines) == 1 and lines[0].startswith("ldp"), f"status {status}, said {lines}")
+            row.hold("said", status in (1, 2) and "internal error" not in text, f"status {status}: {text}")
+            if action in TOLD:
+                row.hold("said", TOLD[action] in text, f"does not name {action}: {text}")
+        else:
+            row.hold("said", True)
+
+    def once(self, part, rule, words, output, wanted, program="ldp"):
+        """Runs under the rule, with what is there already at `output`; then in peace. `wanted`: its bytes, or None."""
+        row = Row(part, rule)
+        self.rows.append(row)
+        work = self.path("work")
+        shutil.rmtree(work, ignore_errors=True)
+        os.mkdir(work)
+        if wanted is not None:
+            shutil.copy(wanted, os.path.join(work, output))
+        before = tree(work)
+        run = self.ldp(words, rule, program)
+        row.hit = self.was_hit(rule)
+        row.outcome = f"status {run.returncode}"
+        self.said(row, rule, run.returncode, run.stderr)
+        after = tree(work)
+        row.hold("kept", all(after.get(path) == digest for path, digest in before.items()), "an earlier output changed")
+        row.hold("clean", not leftovers(work) and (run.returncode == 0 or set(after) == set(before)),
+                 f"left {sorted(set(after) - set(before))}")
+        again = self.ldp(words, "", program)
+        row.hold("next", again.returncode == 0, again.stderr)
+        if wanted is not None:
+            with open(os.path.join(work, output), "rb") as one, open(wanted, "rb") as other:
+                row.hold("next", one.read() == other.read(), "other bytes than in peace")
+
+    def run_build(self, rule):
+        self.once("build", rule, ["build", self.path("frames"), "-o", self.path("work", "good.ldp"), "--threads", "2"] +
+                  QUICK, "good.ldp", self.path("good.ldp"))
+
+    def run_read(self, rule):
+        self.once("read", rule, ["info", self.path("good.ldp")], "", None)
+
+    def run_export(self, rule):
+        wanted = self.path("wanted.html")
+        if not os.path.exists(wanted):
+            self.ldp(["export", self.path("good.ldp"), "-o", wanted])
+        self.once("export", rule, ["export", self.path("good.ldp"), "-o", self.path("work", "wanted.html")],
+                  "wanted.html", wanted)
+
+    # --- one sweep of ldp capture
+
+    def run_capture(self, rule):
+        row = Row("capture", rule)
+        self.rows.append(row)
+        work = self.path("work")
+        shutil.rmtree(work, ignore_errors=True)
+        os.mkdir(work)
+        words = ["capture", "--camera", self.camera(), "--button", "script:" + self.path("script"), "--status",
+                 "console:", "-o"]
+        self.script("press wait 600000 release")
+        run = self.ldp(words + [os.path.join(work, "one")], rule, "ldp-device")
+        row.hit = self.was_hit(rule)
+        stored = max([int(n) for n in re.findall(r"stored: (\d+) frames", run.stderr)], default=0)
+        frames = [path for path in tree(work) if path.endswith(".jpg")]
+        row.outcome = f"status {run.returncode}, {len(frames)} frames"
+        last = run.stderr.strip().splitlines()[-1:] or [""]
+        self.said(row, rule, run.returncode, last[0] if run.returncode else "")
+        row.hold("kept", len(frames) >= stored, f"{stored} reported, {len(frames)} there")
+        row.hold("kept", set(tree(work)[f] for f in frames) <= self.originals, "a frame is not the camera's")
+        row.hold("clean", not leftovers(work), f"left {leftovers(work)}")
+        again = self.ldp(words + [os.path.join(work, "two")], "", "ldp-device")
+        row.hold("next", again.returncode == 0, again.stderr)
+
+    # --- the service: a sweep under the rule, then one more
+
+    def run_service(self, rule):
+        row = Row("service", rule)
+        self.rows.append(row)
+        work = self.path("work")
+        shutil.rmtree(work, ignore_errors=True)
+        os.makedirs(os.path.join(work, "sweep_000001"))
+        for name in os.listdir(self.path("frames")):
+            shutil.copy(self.path("frames", name), os.path.join(work, "sweep_000001", name))
+        shutil.copy(self.path("good.ldp"), os.path.join(work, "sweep_000001.ldp"))
+        before = tree(work)
+        service = Service(self, rule)
+        alive = service.ready()
+        descriptors = service.descriptors() if alive else 0
+        ended = service.sweep() if alive else "did not start"
+        second = service.sweep() if service.alive() else ""
+        if service.alive():
+            service.settle(descriptors)
+            row.hold("clean", service.descriptors() == descriptors,
+                     f"{service.descriptors()} descriptors instead of {descriptors}")
+        status = service.stop()
+        row.hit = self.was_hit(rule)
+        text = service.said
+        row.outcome = ended.split(":")[0][:24] + (f", status {status}" if status else "")
+        action = rule.split()[3] if len(rule.split()) > 3 else ""
+        if ended.startswith(("failed", "did not start", "ended")) and action in TOLD:
+            row.hold("said", TOLD[action] in text, f"does not name {action}: {text}")
+        else:
+            row.hold("said", True)
+        if not second.startswith("done"):  # the process did not go on: the next start does
+            peace = Service(self, "")
+            peace.ready()
+            second = peace.sweep()
+            peace.stop()
+            row.hold("next", status == 1, f"ended with {status} after: {text}")
+        row.hold("next", second.startswith("done"), f"'{second}' after: {text}")
+        after = tree(work)
+        row.hold("kept", all(after.get(path) == digest for path, digest in before.items()), "an earlier sweep changed")
+        frames = [path for path in after if path.endswith(".jpg")]
+        row.hold("kept", set(after[f] for f in frames) <= self.originals, "a frame is not the camera's")
+        for folder, stored in service.reported():
+            there = sum(1 for path in frames if path.startswith(folder + "/"))
+            row.hold("kept", there >= stored, f"{folder}: {stored} reported, {there} there")
+        row.hold("clean", not leftovers(work) and not service.children_left(), f"left {leftovers(work)}")
+
+    # --- all of it
+
+    def table(self):
+        print(f"{'part':8} {'fault':44} {'outcome':34} said kept next clean")
+        for row in self.rows:
+            if not row.hit:
+                print(f"{row.part:8} {row.fault:44} the call is not made so often")
+                continue
+            marks = " ".join(f"{'ok' if row.columns.get(c, True) else 'FAIL':4}" for c in ("said", "kept", "next", "clean"))
+            print(f"{row.part:8} {row.fault:44} {row.outcome:34} {marks}")
+            for why in row.why:
+                print("         " + why.replace("\n", " | ")[:600])
+        counted = [row for row in self.rows if row.hit]
+        failed = [row for row in counted if not row.ok()]
+        print(f"{len(counted)} faults, {len(failed)} rows fail")
+        return 1 if failed else 0
+
+
+class Service:
+    """ldpd with a terminal as its button."""
+
+    def __init__(self, matrix, rule):
+        self.matrix = matrix
+        self.log = matrix.path("said")
+        with open(matrix.path("ldpd.toml"), "w") as file:
+            file.write(f"[build]\nprogram = '{matrix.path('stub')}'\n[sweep]\nmin_frames = 3\n")
+        for file in (self.log, matrix.path("hits")):
+            if os.path.exists(file):
+                os.remove(file)
+        self.master, slave = pty.openpty()
+        words = [os.path.join(matrix.bin, "ldpd"), "--config", matrix.path("ldpd.toml"), "--camera", matrix.camera(),
+                 "--button", "keyboard:", "--status", "console:", "-o", matrix.path("work")]
+        with open(self.log, "w") as log:
+            self.process = subprocess.Popen(words, env=matrix.environment("ldpd", rule), stdin=slave, stderr=log,
+                                            stdout=subprocess.DEVNULL)
+        os.close(slave)
+
+    def text(self):
+        with open(self.log) as file:
+            return file.read()
+
+    def alive(self):
+        return self.process.poll() is None
+
+    def wait_for(self, pattern, begin):
+        until = time.monotonic() + PATIENCE_S
+        while time.monotonic() < until:
+            found = re.search(pattern, self.text()[begin:], re.M)
+            if found or not self.alive():
+                return found
+            time.sleep(0.01)
+        return None
+
+    def ready(self):
+        return self.wait_for(r"^idle: ready", 0) is not None and self.alive()
+
+    def sweep(self):
+        begin = len(self.text())
+        os.write(self.master, b" ")
+        self.wait_for(r"^(capturing|failed)", begin)
+        found = self.wait_for(r"^(done|failed): .*", begin)
+        return found.group(0) if found else "ended"
+
+    def descriptors(self):
+        return len(os.listdir(f"/proc/{self.process.pid}/fd"))
+
+    def settle(self, wanted):
+        for _ in range(100):
+            if self.descriptors() == wanted:
+                return
+            time.sleep(0.02)
+
+    def reported(self):
+        """Name and the most frames reported stored, by sweep; of those that came as far as a name."""
+        for part in re.split(r"^capturing: capturing", self.said, flags=re.M)[1:]:
+            names = re.findall(r"sweep_\d{6}", part)
+            counts = [int(n) for n in re.findall(r"stored: (\d+) frames", part)]
+            if names and counts:
+                yield names[0], max(counts)
+
+    def stop(self):
+        self.children = []
+        try:
+            with open(f"/proc/{self.process.pid}/task/{self.process.pid}/children") as file:
+                self.children = [int(pid) for pid in file.read().split()]
+        except OSError:
+            pass
+        if self.alive():
+            self.process.send_signal(signal.SIGTERM)
+        try:
+            status = self.process.wait(timeout=30)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            status = self.process.wait()
+        os.close(self.master)
+        self.said = self.text()
+        return status
+
+    def children_left(self):
+        def runs(pid):
+            try:
+                with open(f"/proc/{pid}/stat") as file:
+                    return file.read().split(") ")[1][0] != "Z"
+            except OSError:
+                return False
+        return any(runs(pid) for pid in self.children)
+
+
+def rules(*templates):
+    return [t for template in templates for t in template]
+
+
+def each(call, match, numbers, actions):
+    return [f"{call} {match} {n} {action}" for action in actions for n in numbers]
+
+
+CLOCKS = ["clock - 1+ shift 86400", "clock - 1+ shift -86400", "clock - 5 shift 86400", "TZ=Pacific/Kiritimati"]
+WRITES = ["ENOSPC", "EIO", "EROFS", "EINTR", "short"]
+PLAN = {
+    "capture": rules(each("open", "/work/one", (1, 4, 8), ("EMFILE", "EIO", "EROFS", "EINTR", "ENOMEM")),
+                     each("write", "/work/one", (1, 2, 6), WRITES), each("fsync", ".tmp", (1, 5), ("EIO", "ENOSPC", "EINTR")),
+                     each("fsync", "/one$", (1, 2, 5), ("EIO", "EINVAL")), each("rename", "/one", (1, 2, 7), ("EIO", "ENOSPC", "EROFS")),
+                     each("mkdir", "/one", (1,), ("ENOSPC", "EROFS")), each("thread", "-", (1, 2), ("EAGAIN",)),
+                     each("malloc", "40000", (1, 8), ("ENOMEM",)), CLOCKS),
+    "service": rules(each("open", "/work", (1, 2, 3, 5, 8, 12), ("EMFILE", "EIO", "EINTR")),
+                     each("write", "/work", (1, 2, 3, 6, 30), WRITES),
+                     each("fsync", "/work", (1, 2, 3, 4, 5, 9), ("EIO", "ENOSPC")),
+                     each("rename", "/work", (1, 2, 3, 6, 31, 32), ("EIO", "ENOSPC", "EROFS")),
+                     each("mkdir", "/work", (1, 2), ("ENOSPC", "EROFS")), each("fork", "-", (1, 2), ("EAGAIN", "ENOMEM")),
+                     each("thread", "-", (1,), ("EAGAIN",)), each("malloc", "40000", (1, 10), ("ENOMEM",)), CLOCKS),
+    "build": rules(each("open", "/frames/", (1, 9), ("EMFILE", "EIO", "EACCES", "EINTR")),
+                   each("open", "/work/", (1, 2), ("EMFILE", "EROFS", "ENOMEM", "EINTR")), each("write", "/work/", (1,), WRITES),
+                   each("fsync", ".tmp", (1,), ("EIO", "ENOSPC", "EINTR")), each("fsync", "/work$", (1,), ("EIO", "EINVAL")),
+                   each("rename", "/work/", (1,), ("EIO", "ENOSPC", "EROFS")), each("thread", "-", (1, "2+", "3+"), ("EAGAIN",)),
+                   each("malloc", "100000", (1, 5, 20, 60), ("ENOMEM",)), CLOCKS),
+    "read": rules(each("open", "good.ldp", (1,), ("EMFILE", "EIO", "EACCES", "EINTR", "ENOMEM")), each("malloc", "50000", (1,), ("ENOMEM",))),
+    "export": rules(each("open", "good.ldp", (1,), ("EMFILE", "EIO", "EINTR")),
+                    each("open", "/work/", (1, 2), ("EMFILE", "EROFS", "ENOMEM", "EINTR")), each("write", "/work/", (1,), WRITES),
+                    each("fsync", ".tmp", (1,), ("EIO", "ENOSPC", "EINTR")), each("fsync", "/work$", (1,), ("EIO", "EINVAL")),
+                    each("rename", "/work/", (1,), ("EIO", "ENOSPC", "EROFS")), each("thread", "-", (1, "2+"), ("EAGAIN",)),
+                    each("malloc", "100000", (1, 3), ("ENOMEM",)), CLOCKS),
+}
+
+
+def main():
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    matrix = Matrix(sys.argv[1])
+    try:
+        matrix.prepare()
+        for part in sys.argv[2:] or PLAN:
+            for rule in PLAN[part]:
+                getattr(matrix, "run_" + part)(rule)
+        sys.exit(matrix.table())
+    finally:
+        shutil.rmtree(matrix.room, ignore_errors=True)
+
+
+if __name__ == "__main__":
+    main()
