@@ -9,9 +9,10 @@
 namespace ldp::consistency {
 namespace {
 
-constexpr int kEvery = 2;            // pixels, both ways, are classified
-constexpr int kOpaque = 128;         // alpha from which a pixel is not a hole
-constexpr int kPlainRange = 6;       // grey levels within 3x3 pixels of a plain place
+constexpr int kEvery = 2;       // pixels, both ways, are classified
+constexpr int kAsked = 4;       // of what differs in a square of so many, other photographs are asked about the first
+constexpr int kOpaque = 128;    // alpha from which a pixel is not a hole
+constexpr int kPlainRange = 6;  // grey levels within 3x3 pixels of a plain place
 constexpr double kSamePlace = 0.15;  // share of its inverse depth by which a surface may differ and still be seen
 constexpr double kBehind = 1e-6;
 constexpr std::array<std::array<int, 2>, 5> kPatch = {{{0, 0}, {-1, -1}, {1, 1}, {1, -1}, {-1, 1}}};
@@ -98,7 +99,9 @@ ResidualStatistics Classifier::cell(int x0, int y0, Plane<uint8_t>& map) const {
       sums.holes += hole;
       ++sums.pixels;
       if (x % kEvery != 0 || y % kEvery != 0) continue;
-      const Agreement agreement = hole ? Agreement::hole : classify(x, y, brightness);
+      const auto first = static_cast<Agreement>(map.at(x / kAsked * kAsked / kEvery, y / kAsked * kAsked / kEvery));
+      const bool asked = x % kAsked != 0 || y % kAsked != 0;
+      const Agreement agreement = hole ? Agreement::hole : classify(x, y, brightness, asked ? &first : nullptr);
       ++sums.classes[static_cast<size_t>(agreement)];
       map.at(x / kEvery, y / kEvery) = static_cast<uint8_t>(agreement);
     }
@@ -132,10 +135,10 @@ bool Classifier::agree(const RgbImage& a, int ax, int ay, const RgbImage& b, int
   return Range(b, bx, by).holds(of_a, tolerance_) && Range(a, ax, ay).holds(of_b, tolerance_);
 }
 
-Agreement Classifier::classify(int x, int y, const Offset& brightness) const {
+Agreement Classifier::classify(int x, int y, const Offset& brightness, const Agreement* first) const {
   if (agree(own_.photo, x, y, rendering_.colour, x, y, {})) return Agreement::agrees;
   if (agree(own_.photo, x, y, rendering_.colour, x, y, brightness)) return Agreement::exposure;
-  return ask_others(x, y);
+  return first && *first >= Agreement::wrong_colour ? *first : ask_others(x, y);
 }
 
 // So many that a step is two pixels of parallax at most: of two pixels, one lies within a pixel of the other's place.

@@ -53,7 +53,8 @@ class Classifier {
     std::array<int, 3> median{};
   };
 
-  Agreement classify(int x, int y, const Offset& brightness) const;
+  // `first`: what was found in the first pixel of its square, which what differs too takes over; or null.
+  Agreement classify(int x, int y, const Offset& brightness, const Agreement* first) const;
   int depths_to_try() const;
   Agreement ask_others(int x, int y) const;
   bool agree(const RgbImage& a, int ax, int ay, const RgbImage& b, int bx, int by, const Offset& brighter) const;
