@@ -6,21 +6,11 @@
 #include <optional>
 #include <utility>
 
+#include "core/poses/poses_tuning.h"
 #include "core/poses/start/rotation_averaging.h"
 
-namespace ldp {
+namespace ldp::sfm {
 namespace {
-
-constexpr double kTolerance = 4;     // pixels of 800 that a match may miss the poses by
-constexpr int kTellingReach = 2;     // frames between photos of a pair; farther ones share little, and repeated things
-                                     // pass for matches there though the poses are true
-constexpr size_t kTelling = 30;      // matches of a pair from which its disagreement tells something
-constexpr double kLeastShare = 0.5;  // of a pair's matches must agree with the poses
-constexpr int kLeastTies = 12;       // points that tie a photo to those before it
-constexpr int kReach = 4;            // photos before and after that count for it
-constexpr int kFirm = 8;             // points seen before, in and after a photo, that tie its two steps together
-constexpr double kSameView = 0.25;   // of the field of view: photos turned by less show the same
-constexpr double kSamePlace = 0.1;   // of the distance of points in the median: and stand nearer than this
 
 class Doubts {
  public:
@@ -29,13 +19,13 @@ class Doubts {
 
   // The pair of photos whose matches contradict the poses most.
   std::string contradicted() const {
-    double least = kLeastShare;
+    double least = kMinPairAgreement;
     const PairMatches* worst = nullptr;
     for (const PairMatches& pair : sweep_.pairs) {
-      if (!posed(pair.a) || !posed(pair.b) || pair.matches.size() < kTelling) continue;
-      if (pair.b - pair.a > kTellingReach) continue;
+      if (!posed(pair.a) || !posed(pair.b) || pair.matches.size() < kMinDoubtMatches) continue;
+      if (pair.b - pair.a > kDoubtSequenceDistance) continue;
       const double share =
-          agreeing_share(sweep_, r_.bundle, pair, sweep_.pixels(kTolerance), r_.motion == Motion::rotation);
+          inlier_ratio(sweep_, r_.bundle, pair, sweep_.pixels(kDoubtTolerance_px), r_.motion == Motion::rotation);
       if (share < least) least = share, worst = &pair;
     }
     if (!worst) return {};
@@ -48,11 +38,11 @@ class Doubts {
     std::vector<int> ties(static_cast<size_t>(sweep_.frames()), 0);
     for (const Track& track : r_.tracks) {
       for (size_t i = 0; i + 1 < track.size(); ++i) {
-        if (track[i + 1].frame - track[i].frame > kReach) continue;
+        if (track[i + 1].frame - track[i].frame > kBridgeSequenceDistance) continue;
         for (int f = track[i].frame + 1; f <= track[i + 1].frame; ++f) ++ties[static_cast<size_t>(f)];
       }
     }
-    int least = kLeastTies, before = -1;
+    int least = kMinBridgingPoints, before = -1;
     std::pair<int, int> where{-1, -1};
     for (int f = 0; f < sweep_.frames(); ++f) {
       if (!posed(f)) continue;
@@ -77,32 +67,32 @@ class Doubts {
     for (int f = 0; f < sweep_.frames(); ++f) {
       if (!posed(f)) continue;
       ++steps;
-      firm += between[static_cast<size_t>(f)] >= kFirm ? 1 : 0;
+      firm += between[static_cast<size_t>(f)] >= kFirmlyObserved ? 1 : 0;
     }
     if (2 * firm >= steps - 1) return {};
     return std::string("hardly a point is seen in three photos: take photos with more overlap (three quarters)") +
-           (focal_known ? "" : ", or give the field of view (--fov)");
+           (focal_known ? "" : ", or give the field of view");
   }
 
   // A focal length that points left open, and that drifted to what no camera has.
   std::string no_lens(bool focal_known) const {
     const double view = view_of_longer_side(sweep_, r_.bundle.lens.focal_px);
-    if (focal_known || (view > kTooNarrow && view < kTooWide)) return {};
+    if (focal_known || (view > kMinView_rad && view < kMaxView_rad)) return {};
     return "they are those of a camera that sees " + std::to_string(std::lround(view * 180 / std::numbers::pi)) +
-           " degrees, which hardly any does: give the field of view (--fov)";
+           " degrees, which hardly any does: give the field of view";
   }
 
   // Two photos of one view by their poses, that have nothing in common.
   std::string unrelated() const {
     const std::vector<std::vector<bool>> shared = shared_points();
     const double view = 2 * std::atan2(0.5 * sweep_.features[0].width, r_.bundle.lens.focal_px);
-    const double same_place = kSamePlace * median_distance();
+    const double same_place = kSamePlaceShare * median_distance();
     for (int b = 0; b < sweep_.frames(); ++b) {
       for (int a = 0; a < b; ++a) {
         if (!posed(a) || !posed(b) || shared[static_cast<size_t>(a)][static_cast<size_t>(b)]) continue;
         const Pose &p = camera(a), &q = camera(b);
         const double cosine = p.world_from_camera.col(2).dot(q.world_from_camera.col(2));
-        if (std::acos(std::clamp(cosine, -1.0, 1.0)) > kSameView * view) continue;
+        if (std::acos(std::clamp(cosine, -1.0, 1.0)) > kSameViewAngle * view) continue;
         if (r_.motion != Motion::rotation && (p.centre - q.centre).norm() > same_place) continue;
         return both(a, b) + " look the same way by their poses and show nothing in common";
       }
@@ -158,4 +148,4 @@ std::string doubt(const MatchedSweep& sweep, const Reconstruction& reconstructio
   return {};
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -8,16 +8,15 @@
 
 #include "core/poses/features/features.h"
 #include "core/poses/pose_doubt.h"
+#include "core/poses/poses_tuning.h"
 #include "core/poses/reconstruct.h"
 #include "core/poses/tracks/geometric_verification.h"
 
 namespace ldp {
-namespace {
 
-constexpr double kFovSigma = 0.15;  // of the logarithm of a focal length that someone told
-constexpr double kExifSigma = 0.05;
-constexpr int kPicture_px = 1000;  // longer side of what is kept of a photo
-constexpr double kFarthest = 1e4;  // points are put no farther than this many radii
+using namespace sfm;
+
+namespace {
 
 struct Frame {
   std::string name;
@@ -27,36 +26,37 @@ struct Frame {
 };
 
 Frame make_frame(const std::string& name, const RgbImage& image, std::optional<double> focal_hint) {
-  Frame frame{name, focal_hint, make_grey_photo(image, kPicture_px), {}};
+  Frame frame{name, focal_hint, make_grey_photo(image, kWorkingSide_px), {}};
   frame.features = detect_features(frame.picture, FeatureOptions{});
   return frame;
 }
 
-PairOptions pairing(const PosesOptions& options) {
-  PairOptions pairs;
+TwoViewOptions two_view_options(const PosesOptions& options) {
+  TwoViewOptions pairs;
   pairs.seed = options.seed;
   return pairs;
 }
 
-void match_all(const std::vector<Frame>& frames, std::vector<PairMatches>& pairs, const PairOptions& options,
+void match_all(const std::vector<Frame>& frames, std::vector<PairMatches>& pairs, const TwoViewOptions& options,
                const Job& job) {
   parallel_for(job, static_cast<int>(pairs.size()), [&](int i) {
     PairMatches& pair = pairs[static_cast<size_t>(i)];
-    pair.matches = match_pair(frames[static_cast<size_t>(pair.a)].features,
-                              frames[static_cast<size_t>(pair.b)].features, pair.b - pair.a <= options.reach, options);
+    pair.matches =
+        match_and_verify(frames[static_cast<size_t>(pair.a)].features, frames[static_cast<size_t>(pair.b)].features,
+                         pair.b - pair.a <= options.sequential_window, options);
   });
 }
 
 std::optional<FocalPrior> focal_prior(const std::vector<Frame>& frames, const PosesOptions& options) {
   const Features& first = frames.front().features;
-  if (options.fov_rad) return FocalPrior{0.5 * first.width / std::tan(0.5 * *options.fov_rad), kFovSigma};
+  if (options.fov_rad) return FocalPrior{0.5 * first.width / std::tan(0.5 * *options.fov_rad), kFovLogSigma};
   std::vector<double> hints;
   for (const Frame& frame : frames) {
     if (frame.focal_hint) hints.push_back(*frame.focal_hint);
   }
   if (hints.empty()) return std::nullopt;
   std::nth_element(hints.begin(), hints.begin() + static_cast<std::ptrdiff_t>(hints.size() / 2), hints.end());
-  return FocalPrior{hints[hints.size() / 2] * std::max(first.width, first.height), kExifSigma};
+  return FocalPrior{hints[hints.size() / 2] * std::max(first.width, first.height), kExifLogSigma};
 }
 
 // World z up: perpendicular to the cameras' right axes, as far as they agree, and to where they look on the whole.
@@ -146,29 +146,29 @@ void require_three_fit(const std::vector<Frame>& frames, const std::vector<std::
 }
 
 // Frames fit for it as a sweep, and which frame each of the sweep is.
-struct Chosen {
+struct SelectedSweep {
   MatchedSweep sweep;
   std::vector<int> frame;
 };
 
-Chosen choose(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs,
-              const std::vector<std::string>& unfit) {
-  Chosen chosen;
+SelectedSweep select_sweep(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs,
+                           const std::vector<std::string>& unfit) {
+  SelectedSweep selected;
   std::vector<int> place(frames.size(), -1);
   for (size_t i = 0; i < frames.size(); ++i) {
     if (!unfit[i].empty()) continue;
-    place[i] = chosen.sweep.frames();
-    chosen.sweep.pictures.push_back(frames[i].picture);
-    chosen.sweep.features.push_back(frames[i].features);
-    chosen.frame.push_back(static_cast<int>(i));
+    place[i] = selected.sweep.frames();
+    selected.sweep.pictures.push_back(frames[i].picture);
+    selected.sweep.features.push_back(frames[i].features);
+    selected.frame.push_back(static_cast<int>(i));
   }
-  chosen.sweep.left_out = static_cast<int>(frames.size() - chosen.frame.size());
-  chosen.sweep.first_left_out = first_unfit(frames, unfit);
+  selected.sweep.left_out = static_cast<int>(frames.size() - selected.frame.size());
+  selected.sweep.first_left_out = first_unfit(frames, unfit);
   for (const PairMatches& pair : pairs) {
     const int a = place[static_cast<size_t>(pair.a)], b = place[static_cast<size_t>(pair.b)];
-    if (a >= 0 && b >= 0 && !pair.matches.empty()) chosen.sweep.pairs.push_back({a, b, pair.matches});
+    if (a >= 0 && b >= 0 && !pair.matches.empty()) selected.sweep.pairs.push_back({a, b, pair.matches});
   }
-  return chosen;
+  return selected;
 }
 
 std::vector<FrameReport> first_reports(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs,
@@ -204,7 +204,8 @@ void report_errors(const Bundle& bundle, const std::vector<int>& frame, PosesRep
   report.reprojection_px = std::sqrt(all / static_cast<double>(std::max<size_t>(1, bundle.observations.size())));
 }
 
-Poses to_world(const Reconstruction& found, const Chosen& chosen, const std::vector<Frame>& frames, double arm_length) {
+Poses to_world(const Reconstruction& found, const SelectedSweep& selected, const std::vector<Frame>& frames,
+               double arm_length) {
   const Bundle& bundle = found.bundle;
   std::vector<Pose> posed;
   Poses poses;
@@ -213,12 +214,12 @@ Poses to_world(const Reconstruction& found, const Chosen& chosen, const std::vec
     if (!found.dropped[i].empty()) continue;
     camera[i] = static_cast<int>(posed.size());
     posed.push_back(bundle.cameras[i]);
-    poses.frame_of_camera.push_back(chosen.frame[i]);
+    poses.frame_of_camera.push_back(selected.frame[i]);
   }
   const Eigen::Matrix3d turn = upright(posed);
   const double scale =
       arm_length / (found.motion == Motion::straight ? 0.5 * path_length(posed) : circle_radius(posed));
-  const Features& first = chosen.sweep.features.front();
+  const Features& first = selected.sweep.features.front();
   Intrinsics k{first.width,          first.height,      bundle.lens.focal_px,
                bundle.lens.focal_px, 0.5 * first.width, 0.5 * first.height};
   k.k1 = bundle.lens.k1, k.k2 = bundle.lens.k2;
@@ -228,7 +229,7 @@ Poses to_world(const Reconstruction& found, const Chosen& chosen, const std::vec
   }
   for (size_t i = 0; i < found.tracks.size(); ++i) {
     const InversePoint& point = bundle.points[i];
-    ScenePoint scene{scale * turn * point.direction / std::max(point.inverse_distance, 1 / kFarthest), {}};
+    ScenePoint scene{scale * turn * point.direction / std::max(point.inverse_distance, 1 / kMaxPointDistance), {}};
     std::vector<Eigen::Vector2d> sightings;
     for (const Observation& o : found.tracks[i]) {
       scene.cameras.push_back(camera[static_cast<size_t>(o.frame)]);
@@ -244,23 +245,23 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
             const Job& job) {
   const std::vector<std::string> unfit = unfit_frames(frames);
   require_three_fit(frames, unfit);
-  Chosen chosen = choose(frames, pairs, unfit);
+  SelectedSweep selected = select_sweep(frames, pairs, unfit);
   const std::optional<FocalPrior> focal = focal_prior(frames, options);
-  const Reconstruction found = reconstruct(chosen.sweep, focal, job);
-  Poses poses = to_world(found, chosen, frames, options.arm_length);
+  const Reconstruction found = reconstruct(selected.sweep, focal, job);
+  Poses poses = to_world(found, selected, frames, options.arm_length);
   poses.report.motion = found.motion;
   poses.report.closed = found.closed;
   poses.report.points = static_cast<int>(poses.points.size());
   poses.report.frames = first_reports(frames, pairs, unfit);
-  for (size_t i = 0; i < chosen.frame.size(); ++i) {
-    FrameReport& report = poses.report.frames[static_cast<size_t>(chosen.frame[i])];
+  for (size_t i = 0; i < selected.frame.size(); ++i) {
+    FrameReport& report = poses.report.frames[static_cast<size_t>(selected.frame[i])];
     report.posed = found.dropped[i].empty();
     report.reason = found.dropped[i];
   }
-  report_errors(found.bundle, chosen.frame, poses.report);
+  report_errors(found.bundle, selected.frame, poses.report);
   std::vector<std::string> names;
-  for (const int i : chosen.frame) names.push_back(frames[static_cast<size_t>(i)].name);
-  poses.report.doubt = doubt(chosen.sweep, found, names, focal.has_value());
+  for (const int i : selected.frame) names.push_back(frames[static_cast<size_t>(i)].name);
+  poses.report.doubt = doubt(selected.sweep, found, names, focal.has_value());
   job.report("poses", 1);
   return poses;
 }
@@ -312,7 +313,7 @@ void PoseEstimator::add_frames(const FrameSource& source, int count, const Job& 
   for (int b = std::max(first, 1); b < count; ++b) {
     for (int a = 0; a < b; ++a) pairs.push_back({a, b, {}});
   }
-  match_all(frames, pairs, pairing(options()), job);
+  match_all(frames, pairs, two_view_options(options()), job);
   std::move(pairs.begin(), pairs.end(), std::back_inserter(state_->pairs));
 }
 

@@ -7,36 +7,24 @@
 #include <numeric>
 #include <utility>
 
+#include "core/poses/poses_tuning.h"
 #include "core/poses/refine/arc_conditioning.h"
 #include "core/poses/refine/corner_tracks.h"
 #include "core/poses/refine/iterative_refinement.h"
 #include "core/poses/refine/resection.h"
 #include "core/poses/refine/smooth_motion.h"
-#include "core/poses/start/incremental_start.h"
+#include "core/poses/start/incremental_reconstruction.h"
 #include "core/poses/start/motion_model.h"
 #include "core/poses/tracks/guided_matching.h"
 #include "core/poses/tracks/klt_tracking.h"
-#include "core/poses/tracks/point_placement.h"
+#include "core/poses/tracks/track_triangulation.h"
 
-namespace ldp {
+namespace ldp::sfm {
 namespace {
 
-constexpr int kLeastPosed = 3;                   // frames
-constexpr int kLeastInliers = 12;                // observations that hold a frame in place
-constexpr double kOverrules = 1.1;               // by so much more must cameras off the circle explain
-constexpr double kBetter = 1.2;                  // by so much more must other motion explain to be preferred
-constexpr double kBetterArc = 1.05;              // the same where it turns out to be an arc after all
-constexpr double kTornMatches = 0.05;            // of all matches, in pairs that do not hold
-constexpr double kTorn = 0.3, kTornPixels = 12;  // share of a pair's matches that must agree within so many
-                                                 // pixels of 800 for it to hold
-constexpr double kEnough = 1 / kBetter;          // share of the observations that must fit, else other motion is tried
-constexpr size_t kRich = 1000;                   // observations per frame that make a second look for matches needless
-constexpr double kStillHolds = 0.9;  // share of the matches explained before that a round on followed points must keep
-constexpr int kMostFollowed = 4;     // rounds on followed points at the wider tolerance, until the focal
-constexpr double kSettledFocal = 5e-4;  // length changes by no more than this share
-
 // Frames that hang together by pairs that count: the same number for all of a group.
-std::vector<int> groups(const MatchedSweep& sweep, const std::function<bool(const PairMatches&)>& counts) {
+std::vector<int> connected_components(const MatchedSweep& sweep,
+                                      const std::function<bool(const PairMatches&)>& counts) {
   std::vector<int> group(static_cast<size_t>(sweep.frames()));
   std::iota(group.begin(), group.end(), 0);
   for (const PairMatches& pair : sweep.pairs) {
@@ -50,8 +38,8 @@ std::vector<int> groups(const MatchedSweep& sweep, const std::function<bool(cons
 const std::string kBare = "it shows next to no texture";
 
 // All but the largest group that hangs together by matches are dropped with a reason.
-std::vector<std::string> loose_frames(const MatchedSweep& sweep) {
-  const std::vector<int> group = groups(sweep, [](const PairMatches&) { return true; });
+std::vector<std::string> unconnected_frames(const MatchedSweep& sweep) {
+  const std::vector<int> group = connected_components(sweep, [](const PairMatches&) { return true; });
   std::vector<int> partners(group.size(), 0);
   for (const PairMatches& pair : sweep.pairs) {
     ++partners[static_cast<size_t>(pair.a)], ++partners[static_cast<size_t>(pair.b)];
@@ -64,9 +52,9 @@ std::vector<std::string> loose_frames(const MatchedSweep& sweep) {
   std::vector<std::string> dropped(group.size());
   for (size_t i = 0; i < group.size(); ++i) {
     if (group[i] == best) continue;
-    dropped[i] = sweep.features[i].size() < kLeastInliers ? kBare
-                 : partners[i] == 0                       ? "it matches no other photo"
-                                                          : "it matches only photos that do not connect with the rest";
+    dropped[i] = sweep.features[i].size() < kMinFrameObservations ? kBare
+                 : partners[i] == 0                               ? "it matches no other photo"
+                                    : "it matches only photos that do not connect with the rest";
   }
   return dropped;
 }
@@ -76,7 +64,7 @@ int posed(const std::vector<std::string>& dropped) {
 }
 
 void require(const MatchedSweep& sweep, const std::vector<std::string>& dropped) {
-  if (posed(dropped) >= kLeastPosed) return;
+  if (posed(dropped) >= kMinPosedFrames) return;
   const bool bare = 2 * std::count(dropped.begin(), dropped.end(), kBare) >= sweep.frames();
   throw Impossible("only " + std::to_string(posed(dropped)) + " of " + std::to_string(sweep.frames() + sweep.left_out) +
                    " photos connect with each other; at least 3 are needed: " +
@@ -86,7 +74,7 @@ void require(const MatchedSweep& sweep, const std::vector<std::string>& dropped)
 }
 
 // Tracks without the observations of dropped frames.
-std::vector<Track> connected(const std::vector<Track>& tracks, const std::vector<std::string>& dropped) {
+std::vector<Track> without_dropped(const std::vector<Track>& tracks, const std::vector<std::string>& dropped) {
   std::vector<Track> result;
   for (Track track : tracks) {
     std::erase_if(track, [&](const Observation& o) { return !dropped[static_cast<size_t>(o.frame)].empty(); });
@@ -96,86 +84,30 @@ std::vector<Track> connected(const std::vector<Track>& tracks, const std::vector
 }
 
 // Frames that hardly anything holds are dropped, with what they see.
-void drop_unheld(Reconstruction& r) {
+void drop_poorly_observed(Reconstruction& r) {
   const std::vector<int> held = observations_by_frame(r);
   for (size_t i = 0; i < held.size(); ++i) {
-    if (!r.dropped[i].empty() || held[i] >= kLeastInliers) continue;
+    if (!r.dropped[i].empty() || held[i] >= kMinFrameObservations) continue;
     r.dropped[i] = "only " + std::to_string(held[i]) + " of its points agree with the other photos";
   }
-  r.tracks = connected(r.tracks, r.dropped);
-}
-
-// The reconstruction's tracks followed through all frames. Those that cannot be followed stay as matched where a frame
-// has little else.
-std::vector<Track> follow(const MatchedSweep& sweep, const Reconstruction& r, const Job& job) {
-  std::vector<Track> tracks = follow_points(sweep.pictures, r.tracks, r.bundle, FollowOptions{}, job);
-  std::vector<int> held(r.dropped.size(), 0);
-  for (const Track& track : tracks) {
-    for (const Observation& o : track) held[static_cast<size_t>(o.frame)] += track.size() > 1 ? 1 : 0;
-  }
-  for (size_t i = 0; i < tracks.size(); ++i) {
-    const auto poor = [&](const Observation& o) { return held[static_cast<size_t>(o.frame)] < kHeld; };
-    if (tracks[i].size() < 2 && std::any_of(r.tracks[i].begin(), r.tracks[i].end(), poor)) tracks[i] = r.tracks[i];
-  }
-  return tracks;
-}
-
-// A round on followed points. Where steps are so wide that hardly a third photo sees any, the cameras go astray if
-// those of two photos weigh little: what was matched tells so, and the round is done again with all points equal.
-// Takes and gives how much of that is explained.
-double followed_round(const MatchedSweep& sweep, const std::vector<Track>& matched, double tolerance,
-                      double explained_before, Rounds& rounds, const Job& job, Reconstruction& r) {
-  const Reconstruction before = r;
-  rounds.round(follow(sweep, r, job), tolerance, kAboutArc, r);
-  const double explained_now = explained(sweep, matched, r, job);
-  if (explained_now >= kStillHolds * explained_before) return explained_now;
-  rounds.let_pairs_count();
-  r = before;
-  rounds.round(follow(sweep, r, job), tolerance, kAboutArc, r);
-  return explained(sweep, matched, r, job);
-}
-
-// The same until the focal length settles: points that a wrong one gathered leave a few at a time.
-void settle(const MatchedSweep& sweep, const std::vector<Track>& matched, Rounds& rounds, const Job& job,
-            Reconstruction& r) {
-  double holds = explained(sweep, matched, r, job);
-  for (int i = 0; i < kMostFollowed; ++i) {
-    const double before = r.bundle.lens.focal_px;
-    holds = followed_round(sweep, matched, kFollowed[0], holds, rounds, job, r);
-    if (std::abs(std::log(r.bundle.lens.focal_px / before)) < kSettledFocal) return;
-  }
-}
-
-// Cameras near their circle, unless the data overrule it.
-void first_round(const MatchedSweep& sweep, const std::vector<Track>& tracks, Rounds& rounds, const Job& job,
-                 Reconstruction& result) {
-  const std::vector<Track> thin = longest_tracks(tracks, sweep.frames(), kThin);
-  Reconstruction off = result;
-  rounds.use_threads(job.threads / 2);
-  Rounds off_rounds = rounds;
-  parallel_for(job, 2, [&](int which) {
-    which == 0 ? rounds.round(thin, kMatched[0], kNearArc, result) : off_rounds.round(thin, kMatched[0], kFarArc, off);
-  });
-  rounds.use_threads(job.threads);
-  if (explained(sweep, tracks, off, job) < kOverrules * explained(sweep, tracks, result, job)) return;
-  result = std::move(off);
-  rounds.leave_the_arc();
+  r.tracks = without_dropped(r.tracks, r.dropped);
 }
 
 // Whether the sweep fell apart: photos hang together by matches, but no longer by those that agree with the cameras; or
 // too many matches are of photos that do not agree.
-bool torn(const MatchedSweep& sweep, const Reconstruction& r) {
+bool is_disconnected(const MatchedSweep& sweep, const Reconstruction& r) {
   double all = 0, against = 0;
-  const std::vector<int> group = groups(sweep, [&](const PairMatches& pair) {
+  const std::vector<int> group = connected_components(sweep, [&](const PairMatches& pair) {
     const auto posed = [&](int frame) { return r.dropped[static_cast<size_t>(frame)].empty(); };
     if (!posed(pair.a) || !posed(pair.b)) return false;
     const double matches = static_cast<double>(pair.matches.size());
-    const bool holds = agreeing_share(sweep, r.bundle, pair, sweep.pixels(kTornPixels)) >= kTorn;
+    const bool holds =
+        inlier_ratio(sweep, r.bundle, pair, sweep.pixels(kConnectedTolerance_px)) >= kMinConnectedInlierRatio;
     all += matches;
     if (!holds) against += matches;
     return holds;
   });
-  if (against > kTornMatches * all) return true;
+  if (against > kMaxOutlierPairShare * all) return true;
   int first = -1;
   for (size_t i = 0; i < group.size(); ++i) {
     if (!r.dropped[i].empty()) continue;
@@ -185,106 +117,223 @@ bool torn(const MatchedSweep& sweep, const Reconstruction& r) {
   return false;
 }
 
-// Where the sweep fell apart, the cameras may have turned by more than they seemed to: where all is far a step to the
-// side shows like a turn, and a circle that lacks a few degrees tears where it should close. The same is tried from the
-// turns of cameras that stay where they are.
-void try_turns_on_the_spot(const MatchedSweep& sweep, const std::vector<Track>& tracks, const Bundle& on_the_spot,
-                           Rounds& rounds, const Job& job, Reconstruction& result) {
-  if (!torn(sweep, result)) return;
-  Reconstruction other = result;
-  other.bundle = on_the_spot;
-  Rounds other_rounds = rounds;
-  other_rounds.stay_on_the_arc();
-  first_round(sweep, tracks, other_rounds, job, other);
-  if (explained(sweep, tracks, other, job) < kBetterArc * explained(sweep, tracks, result, job)) return;
-  rounds = other_rounds;
-  result = std::move(other);
+bool is_plausible_focal(const MatchedSweep& sweep, double focal_px) {
+  const double view = view_of_longer_side(sweep, focal_px);
+  return view > kMinView_rad && view < kMaxView_rad;
 }
 
-bool a_cameras(const MatchedSweep& sweep, double focal_px) {
-  const double view = view_of_longer_side(sweep, focal_px);
-  return view > kTooNarrow && view < kTooWide;
+// One reconstruction from matches to cameras. In order: outlier rejection among pairs, initialisation, refinement on
+// matches, refinement on tracks by KLT.
+class SweepReconstruction {
+ public:
+  SweepReconstruction(MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job)
+      : sweep_(sweep), focal_(focal), job_(job), refinement_(sweep, focal, job) {}
+
+  Reconstruction run() {
+    initialise();
+    refine_on_matches();
+    refine_on_klt_tracks();
+    return std::move(result_);
+  }
+
+ private:
+  bool is_rotation() const { return result_.motion == Motion::rotation; }
+  std::vector<Track> longest() const { return longest_tracks(tracks_, sweep_.frames(), kCoarseObservationsPerFrame); }
+  double inliers(const Reconstruction& r) const { return inlier_observations(sweep_, tracks_, r, job_); }
+
+  void initialise();
+  void start_on_sphere(const std::vector<RotationHypothesis>& hypotheses);
+  void coarse_refinement(IterativeRefinement& refinement, Reconstruction& result) const;
+  void try_rotation_start(const Bundle& rotation);
+  void try_incremental_reconstruction();
+  Reconstruction registered_incrementally(IncrementalResult start, bool& is_arc) const;
+
+  void refine_on_matches();
+  void match_again_if_poor();
+
+  void refine_on_klt_tracks();
+  std::vector<Track> klt_tracks() const;
+  double klt_iteration(double tolerance, double inliers_before);
+  void refine_until_focal_converges();
+
+  MatchedSweep& sweep_;
+  const std::optional<FocalPrior>& focal_;
+  const Job& job_;
+  std::vector<Track> tracks_;  // of matches
+  IterativeRefinement refinement_;
+  Reconstruction result_;
+};
+
+void SweepReconstruction::initialise() {
+  const std::vector<RotationHypothesis> hypotheses =
+      rotation_hypotheses(sweep_, focal_, TwoViewMotion::spherical, job_);
+  sweep_.pairs = reject_inconsistent_matches(std::move(sweep_.pairs), hypotheses);
+  result_.dropped = unconnected_frames(sweep_);
+  require(sweep_, result_.dropped);
+  tracks_ = without_dropped(build_tracks(sweep_.features, sweep_.pairs), result_.dropped);
+  result_.bundle = initialise_pure_rotation(
+      sweep_, tracks_, rotation_hypotheses(sweep_, focal_, TwoViewMotion::rotation, job_), focal_, job_);
+  job_.report("adjusting", 0.7);
+  if (is_pure_rotation(sweep_, tracks_, result_.bundle, job_)) {
+    result_.motion = Motion::rotation;
+  } else {
+    start_on_sphere(hypotheses);
+  }
+  if (is_rotation()) refinement_.set_model(MotionModel::rotation);
+  tracks_ = without_dropped(tracks_, result_.dropped);
+}
+
+void SweepReconstruction::start_on_sphere(const std::vector<RotationHypothesis>& hypotheses) {
+  const Bundle rotation =
+      std::exchange(result_.bundle, initialise_spherical(sweep_, tracks_, hypotheses, focal_, job_));
+  coarse_refinement(refinement_, result_);
+  try_rotation_start(rotation);
+  try_incremental_reconstruction();
+  if (is_pure_rotation(sweep_, result_.tracks, result_.bundle, job_)) result_.motion = Motion::rotation;
+}
+
+// Cameras near their circle, unless the data overrule it.
+void SweepReconstruction::coarse_refinement(IterativeRefinement& refinement, Reconstruction& result) const {
+  const std::vector<Track> coarse = longest();
+  Reconstruction wide = result;
+  refinement.use_threads(job_.threads / 2);
+  IterativeRefinement wide_refinement = refinement;
+  parallel_for(job_, 2, [&](int which) {
+    which == 0 ? refinement.iterate(coarse, kMatchTolerances_px[0], kTightArcSigma, result)
+               : wide_refinement.iterate(coarse, kMatchTolerances_px[0], kWideArcSigma, wide);
+  });
+  refinement.use_threads(job_.threads);
+  if (inliers(wide) < kWideArcGain * inliers(result)) return;
+  result = std::move(wide);
+  refinement.set_min_arc_sigma(kWideArcSigma);
+}
+
+// Where the sweep fell apart, the cameras may have turned by more than they seemed to: where all is far a step to the
+// side shows like a rotation, and a circle that lacks a few degrees breaks where a loop closure should hold it. The
+// same is tried from cameras that rotate in one place.
+void SweepReconstruction::try_rotation_start(const Bundle& rotation) {
+  if (!is_disconnected(sweep_, result_)) return;
+  Reconstruction other = result_;
+  other.bundle = rotation;
+  IterativeRefinement other_refinement = refinement_;
+  other_refinement.set_min_arc_sigma(0);
+  coarse_refinement(other_refinement, other);
+  if (inliers(other) < kRestartGain * inliers(result_)) return;
+  refinement_ = other_refinement;
+  result_ = std::move(other);
 }
 
 // Where spherical motion leaves too much unexplained, or asks for a lens that no camera has, general motion gets its
 // chance; the one that explains more stays.
-void try_general_motion(const MatchedSweep& sweep, const std::vector<Track>& tracks,
-                        const std::optional<FocalPrior>& focal, Rounds& rounds, const Job& job,
-                        Reconstruction& result) {
-  Reconstruction spherical = result;
-  spherical.tracks = place_good(tracks, sweep.pixels(kMatched[2]), false, spherical.bundle, job);
-  const auto count = [](const Reconstruction& r) { return static_cast<double>(observations(r.tracks)); };
-  const bool poor = count(spherical) <= kEnough * static_cast<double>(observations(tracks));
-  const bool lens = focal || a_cameras(sweep, result.bundle.lens.focal_px);
-  if (!poor && lens && !torn(sweep, result)) return;
-  std::optional<GeneralStart> start = general_start(sweep, tracks, focal, result.bundle.lens.focal_px, job);
+void SweepReconstruction::try_incremental_reconstruction() {
+  const double focal_px = result_.bundle.lens.focal_px;
+  const double spherical = inliers(result_);
+  const bool poor = spherical <= kMinExplainedShare * static_cast<double>(observations(tracks_));
+  const bool plausible = focal_ || is_plausible_focal(sweep_, focal_px);
+  if (!poor && plausible && !is_disconnected(sweep_, result_)) return;
+  std::optional<IncrementalResult> start = reconstruct_incrementally(sweep_, tracks_, focal_, focal_px, job_);
   if (!start) return;
-  Reconstruction general = result;
-  general.bundle = std::move(start->bundle);
-  for (size_t i = 0; i < start->posed.size(); ++i) {
-    if (!start->posed[i] && general.dropped[i].empty())
+  bool is_arc = false;
+  Reconstruction general = registered_incrementally(std::move(*start), is_arc);
+  const bool better_focal = !plausible && is_plausible_focal(sweep_, general.bundle.lens.focal_px);
+  const double gain = better_focal ? 1 : is_arc ? kRestartGain : kIncrementalGain;
+  if (static_cast<double>(observations(general.tracks)) < gain * spherical) return;
+  refinement_.set_min_arc_sigma(is_arc ? kWideArcSigma : kNoArcSigma);
+  result_ = std::move(general);
+}
+
+Reconstruction SweepReconstruction::registered_incrementally(IncrementalResult start, bool& is_arc) const {
+  Reconstruction general = result_;
+  general.bundle = std::move(start.bundle);
+  for (size_t i = 0; i < start.posed.size(); ++i) {
+    if (!start.posed[i] && general.dropped[i].empty())
       general.dropped[i] = "it shares too few points with the other photos";
   }
-  const bool arc = move_to_sphere(general.dropped, general.bundle);
-  general.tracks =
-      place_good(connected(tracks, general.dropped), sweep.pixels(kMatched[2]), false, general.bundle, job);
-  const bool better_lens = !lens && a_cameras(sweep, general.bundle.lens.focal_px);
-  if (count(general) < (better_lens ? 1 : arc ? kBetterArc : kBetter) * count(spherical)) return;
-  arc ? rounds.leave_the_arc() : rounds.forget_the_arc();
-  result = std::move(general);
+  is_arc = normalise_to_sphere(general.dropped, general.bundle);
+  general.tracks = triangulate_inliers(without_dropped(tracks_, general.dropped), sweep_.pixels(kMatchTolerances_px[2]),
+                                       false, general.bundle, job_);
+  return general;
+}
+
+void SweepReconstruction::refine_on_matches() {
+  refinement_.iterate(longest(), kMatchTolerances_px[1], kArcSigma, result_);
+  if (refinement_.has_arc_prior() && resect_lost_frames(sweep_, result_)) {
+    refinement_.iterate(longest(), kMatchTolerances_px[0], kTightArcSigma, result_);
+    refinement_.iterate(longest(), kMatchTolerances_px[1], kArcSigma, result_);
+  }
+  match_again_if_poor();
+  final_match_refinement(sweep_, tracks_, refinement_, job_, result_);
+}
+
+void SweepReconstruction::match_again_if_poor() {
+  const size_t rich = kRichObservationsPerFrame * static_cast<size_t>(posed(result_.dropped));
+  if (is_rotation() || observations(tracks_) >= rich) return;
+  const std::vector<PairMatches> pairs = match_guided(sweep_, result_.bundle, result_.dropped, job_);
+  tracks_ = without_dropped(build_tracks(sweep_.features, pairs), result_.dropped);
+  refinement_.iterate(longest(), kMatchTolerances_px[1], kArcSigma, result_);
+}
+
+void SweepReconstruction::refine_on_klt_tracks() {
+  job_.report("adjusting", 0.8);
+  refine_until_focal_converges();
+  refinement_.select_distortion_model(result_);  // before corners join: it compares costs of the same points
+  if (!is_rotation()) classify_motion(sweep_, result_);
+  if (is_ill_conditioned(result_)) {
+    add_corner_tracks(sweep_, job_, result_);
+    refinement_.reweight_tracks_at_end();
+  }
+  job_.report("adjusting", 0.9);
+  klt_iteration(kKltTolerances_px[1], inliers(result_));
+  drop_poorly_observed(result_);
+  require(sweep_, result_.dropped);
+  refinement_.triangulate(result_.tracks, kKltTolerances_px[1], result_);
+  if (!is_rotation()) classify_motion(sweep_, result_);
+}
+
+// The reconstruction's tracks, tracked through all frames. Those that cannot be tracked stay as matched where a frame
+// has little else.
+std::vector<Track> SweepReconstruction::klt_tracks() const {
+  const Reconstruction& r = result_;
+  std::vector<Track> tracks = track_points(sweep_.pictures, r.tracks, r.bundle, KltOptions{}, job_);
+  std::vector<int> observed(r.dropped.size(), 0);
+  for (const Track& track : tracks) {
+    for (const Observation& o : track) observed[static_cast<size_t>(o.frame)] += track.size() > 1 ? 1 : 0;
+  }
+  for (size_t i = 0; i < tracks.size(); ++i) {
+    const auto poor = [&](const Observation& o) { return observed[static_cast<size_t>(o.frame)] < kWellObserved; };
+    if (tracks[i].size() < 2 && std::any_of(r.tracks[i].begin(), r.tracks[i].end(), poor)) tracks[i] = r.tracks[i];
+  }
+  return tracks;
+}
+
+// One iteration on tracks by KLT. Where steps are so wide that hardly a third photo sees any, the cameras go astray if
+// points of two photos weigh little: what was matched tells so, and the iteration is done again with all points equal.
+// Takes and gives how many observations of matches are inliers.
+double SweepReconstruction::klt_iteration(double tolerance, double inliers_before) {
+  const Reconstruction before = result_;
+  refinement_.iterate(klt_tracks(), tolerance, kArcSigma, result_);
+  const double inliers_now = inliers(result_);
+  if (inliers_now >= kMinKeptShare * inliers_before) return inliers_now;
+  refinement_.trust_two_view_points();
+  result_ = before;
+  refinement_.iterate(klt_tracks(), tolerance, kArcSigma, result_);
+  return inliers(result_);
+}
+
+// Points that a wrong focal length gathered leave a few at a time.
+void SweepReconstruction::refine_until_focal_converges() {
+  double count = inliers(result_);
+  for (int i = 0; i < kMaxKltIterations; ++i) {
+    const double before = result_.bundle.lens.focal_px;
+    count = klt_iteration(kKltTolerances_px[0], count);
+    if (std::abs(std::log(result_.bundle.lens.focal_px / before)) < kFocalConverged) return;
+  }
 }
 
 }  // namespace
 
 Reconstruction reconstruct(MatchedSweep& sweep, const std::optional<FocalPrior>& focal, const Job& job) {
-  Reconstruction result;
-  const std::vector<Turns> turns = ldp::turns(sweep, focal, Turning::on_the_sphere, job);
-  sweep.pairs = without_contradictions(std::move(sweep.pairs), turns);
-  result.dropped = loose_frames(sweep);
-  require(sweep, result.dropped);
-  std::vector<Track> tracks = build_tracks(sweep.features, sweep.pairs);
-  tracks = connected(tracks, result.dropped);
-  Rounds rounds(sweep, focal, job);
-  const auto thin = [&] { return longest_tracks(tracks, sweep.frames(), kThin); };
-  result.bundle = start_on_the_spot(sweep, tracks, ldp::turns(sweep, focal, Turning::on_the_spot, job), focal, job);
-  job.report("adjusting", 0.7);
-  if (!only_turns(sweep, tracks, result.bundle, job)) {
-    const Bundle on_the_spot = std::exchange(result.bundle, start(sweep, tracks, turns, focal, job));
-    first_round(sweep, tracks, rounds, job, result);
-    try_turns_on_the_spot(sweep, tracks, on_the_spot, rounds, job, result);
-    try_general_motion(sweep, tracks, focal, rounds, job, result);
-    if (only_turns(sweep, result.tracks, result.bundle, job)) result.motion = Motion::rotation;
-  } else {
-    result.motion = Motion::rotation;
-  }
-  if (result.motion == Motion::rotation) rounds.set_model(Model::rotation);
-  tracks = connected(tracks, result.dropped);
-  rounds.round(thin(), kMatched[1], kAboutArc, result);
-  if (rounds.on_an_arc() && reseat_lost_frames(sweep, result)) {
-    rounds.round(thin(), kMatched[0], kNearArc, result);
-    rounds.round(thin(), kMatched[1], kAboutArc, result);
-  }
-  if (result.motion != Motion::rotation && observations(tracks) < kRich * static_cast<size_t>(posed(result.dropped))) {
-    const std::vector<PairMatches> pairs = match_guided(sweep, result.bundle, result.dropped, job);
-    tracks = connected(build_tracks(sweep.features, pairs), result.dropped);
-    rounds.round(thin(), kMatched[1], kAboutArc, result);
-  }
-  last_matched_round(sweep, tracks, rounds, job, result);
-  job.report("adjusting", 0.8);
-  settle(sweep, tracks, rounds, job, result);
-  rounds.decide_distortion(result);  // before corners join: it compares costs of the same points
-  if (result.motion != Motion::rotation) describe_motion(sweep, result);
-  if (loosely_held(result)) {
-    gather_corners(sweep, job, result);
-    rounds.end_thoroughly();
-  }
-  job.report("adjusting", 0.9);
-  followed_round(sweep, tracks, kFollowed[1], explained(sweep, tracks, result, job), rounds, job, result);
-  drop_unheld(result);
-  require(sweep, result.dropped);
-  rounds.place(result.tracks, kFollowed[1], result);
-  if (result.motion != Motion::rotation) describe_motion(sweep, result);
-  return result;
+  return SweepReconstruction(sweep, focal, job).run();
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -1,5 +1,5 @@
 find_package(Ceres REQUIRED)
 ldp_test(poses_test SOURCES poses_test.cpp NATIVE_ONLY EstimatePoses.*:PoseEstimator.*:Triangulate.* USES ldp_poses ldp_sim_scene)
-ldp_test(follow_test SOURCES follow_test.cpp USES ldp_poses)
-ldp_test(gather_test SOURCES gather_test.cpp NATIVE_ONLY GatherCorners.* USES ldp_poses ldp_sim_scene)
+ldp_test(klt_tracking_test SOURCES klt_tracking_test.cpp USES ldp_poses)
+ldp_test(corner_tracks_test SOURCES corner_tracks_test.cpp NATIVE_ONLY AddCornerTracks.* USES ldp_poses ldp_sim_scene)
 ldp_test(reprojection_test SOURCES reprojection_test.cpp USES ldp_poses Ceres::ceres)

@@ -1,6 +1,6 @@
 #include "core/poses/poses.h"
 #include "core/poses/start/rotation_averaging.h"
-#include "core/poses/tracks/point_placement.h"
+#include "core/poses/tracks/track_triangulation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@
 #include "sim/scene/scenes.h"
 #include "sim/scene/sweep_path.h"
 
-namespace ldp {
+namespace ldp::sfm {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -126,7 +126,7 @@ TEST(MatchFeatures, AgreesWithComparingAllByHandWhateverTheCounts) {
   }
 }
 
-TEST(Likeness, IsTheSameForEveryInstructionSet) {
+TEST(DescriptorDistance, IsTheSameForEveryInstructionSet) {
   std::mt19937 random(12);
   constexpr int kCount = 71;
   std::vector<int16_t> one = random_descriptor(random), others;
@@ -136,16 +136,18 @@ TEST(Likeness, IsTheSameForEveryInstructionSet) {
     others.insert(others.end(), d.begin(), d.end());
     squares.push_back(static_cast<int>(random() % 100000));
   }
-  likeness::plain().distances(one.data(), 77, others.data(), squares.data(), kCount, plain.data());
-  likeness::best().distances(one.data(), 77, others.data(), squares.data(), kCount, best.data());
+  descriptor_distance::plain().distances(one.data(), 77, others.data(), squares.data(), kCount, plain.data());
+  descriptor_distance::best().distances(one.data(), 77, others.data(), squares.data(), kCount, best.data());
   EXPECT_EQ(plain, best);
-  EXPECT_EQ(likeness::plain().least(plain.data(), kCount), likeness::best().least(plain.data(), kCount));
+  EXPECT_EQ(descriptor_distance::plain().minimum(plain.data(), kCount),
+            descriptor_distance::best().minimum(plain.data(), kCount));
   std::vector<std::vector<int>> of_plain(3, std::vector<int>(kCount, 5000000)), of_best = of_plain;
   for (int candidate = 0; candidate < 5; ++candidate) {
     for (int& d : plain) d = static_cast<int>(random() % 1000);
-    likeness::plain().offer(plain.data(), candidate, kCount,
-                            {of_plain[0].data(), of_plain[1].data(), of_plain[2].data()});
-    likeness::best().offer(plain.data(), candidate, kCount, {of_best[0].data(), of_best[1].data(), of_best[2].data()});
+    descriptor_distance::plain().update_nearest(plain.data(), candidate, kCount,
+                                                {of_plain[0].data(), of_plain[1].data(), of_plain[2].data()});
+    descriptor_distance::best().update_nearest(plain.data(), candidate, kCount,
+                                               {of_best[0].data(), of_best[1].data(), of_best[2].data()});
   }
   EXPECT_EQ(of_plain, of_best);
 }
@@ -223,10 +225,10 @@ TEST(TriangulatePoint, LeavesOutTheSightingThatDisagrees) {
   EXPECT_NEAR(point->inverse_distance, 0.5, 1e-9);
 }
 
-TEST(SightingError, IsInfiniteForAPointInTheCamera) {
+TEST(NormalisedError, IsInfiniteForAPointInTheCamera) {
   const Sighting sighting{Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, 1), Eigen::Vector2d::Zero()};
-  EXPECT_NEAR(sighting_error({Eigen::Vector3d::UnitZ(), 0.9}, sighting), 0, 1e-12);
-  EXPECT_TRUE(std::isinf(sighting_error({Eigen::Vector3d::UnitZ(), 0.999}, sighting)));
+  EXPECT_NEAR(normalised_error({Eigen::Vector3d::UnitZ(), 0.9}, sighting), 0, 1e-12);
+  EXPECT_TRUE(std::isinf(normalised_error({Eigen::Vector3d::UnitZ(), 0.999}, sighting)));
 }
 
 std::vector<RayPair> spherical_pairs(const Eigen::Matrix3d& b_from_a, double nearest_w, double farthest_w) {
@@ -278,16 +280,16 @@ TEST(SphericalRotation, StaysWithWhatThePicturesShowWhereLinesTellLittle) {
   }
 }
 
-TEST(RotationOnTheSpot, IsThatOfWhatIsFarAndNotHalfwayToWhatIsNear) {
+TEST(PureRotation, IsThatOfWhatIsFarAndNotHalfwayToWhatIsNear) {
   const Eigen::Matrix3d truth = turn(1, 12, -2);
   std::vector<RayPair> pairs = spherical_pairs(truth, 0, 0);
   const std::vector<RayPair> near = spherical_pairs(truth, 0.6, 0.4);
   pairs.insert(pairs.end(), near.begin(), near.begin() + 50);
-  const RelativeRotation found = rotation_on_the_spot(pairs);
+  const RelativeRotation found = pure_rotation(pairs);
   EXPECT_LT(angle_deg(found.b_from_a, truth), 0.5);
   EXPECT_GT(found.cost, 0.1);
   pairs.resize(pairs.size() - 50);
-  EXPECT_NEAR(rotation_on_the_spot(pairs).cost, 0, 1e-9);
+  EXPECT_NEAR(pure_rotation(pairs).cost, 0, 1e-9);
 }
 
 TEST(AverageRotations, ClosesALoopAndIgnoresAFalseEdge) {
@@ -303,20 +305,20 @@ TEST(AverageRotations, ClosesALoopAndIgnoresAFalseEdge) {
   }
 }
 
-Bundle true_bundle(Model model) {
+Bundle true_bundle(MotionModel model) {
   std::mt19937 random(6);
   Bundle bundle;
   bundle.lens = {700, 0.02, -0.01};
   for (int i = 0; i < 8; ++i) {
     const Eigen::Matrix3d r = turn(i % 2, 8.0 * i, 0.5 * (i % 3));
     const double x = uniform(random, -0.03, 0.03), y = uniform(random, -0.03, 0.03);
-    bundle.cameras.push_back(
-        {r, model == Model::free ? Eigen::Vector3d(r.col(2) + Eigen::Vector3d(x, y, -x)) : Eigen::Vector3d(r.col(2))});
+    bundle.cameras.push_back({r, model == MotionModel::free ? Eigen::Vector3d(r.col(2) + Eigen::Vector3d(x, y, -x))
+                                                            : Eigen::Vector3d(r.col(2))});
   }
   for (int i = 0; i < 400; ++i) {
     const double azimuth = uniform(random, -20, 76), elevation = uniform(random, -20, 20),
                  w = uniform(random, 0.05, 0.5);
-    bundle.points.push_back({turn(elevation, azimuth, 0).col(2), model == Model::rotation ? 0 : w});
+    bundle.points.push_back({turn(elevation, azimuth, 0).col(2), model == MotionModel::rotation ? 0 : w});
     for (int c = 0; c < 8; ++c) {
       const Projection p = project_point(bundle.cameras[static_cast<size_t>(c)], bundle.lens, bundle.points.back());
       if (p.in_front && p.position_px.cwiseAbs().maxCoeff() < 400) bundle.observations.push_back({c, i, p.position_px});
@@ -338,17 +340,17 @@ Bundle with_movers(const Bundle& truth) {
 }
 
 TEST(Adjust, BelievesPointsThatAThirdCameraConfirmsRatherThanPairsAgainstThem) {
-  const Bundle truth = true_bundle(Model::free);
+  const Bundle truth = true_bundle(MotionModel::free);
   const auto between = [](const Bundle& b) -> Eigen::Matrix3d {
     return b.cameras[4].world_from_camera.transpose() * b.cameras[3].world_from_camera;
   };
   const auto gap_at_weight = [&](double weight) {
     Bundle bundle = with_movers(truth);
-    BundleOptions options;
+    BundleAdjustmentOptions options;
     options.loss_px = 5;
     options.arc_sigma = 10;
-    options.pair_weight = weight;
-    EXPECT_TRUE(adjust(bundle, options, Job{}).usable);
+    options.two_view_weight = weight;
+    EXPECT_TRUE(adjust_bundle(bundle, options, Job{}).usable);
     return angle_deg(between(bundle), between(truth));
   };
   EXPECT_LT(gap_at_weight(0.05), 0.2 * gap_at_weight(1));
@@ -366,14 +368,14 @@ Bundle with_edges(const Bundle& truth) {
   return bundle;
 }
 
-TEST(AdjustWholeTracks, BelievesNothingOfATrackThatShowsTwoThings) {
-  const Bundle truth = true_bundle(Model::free);
-  BundleOptions options;
+TEST(AdjustWithTrackWeights, BelievesNothingOfATrackThatShowsTwoThings) {
+  const Bundle truth = true_bundle(MotionModel::free);
+  BundleAdjustmentOptions options;
   options.loss_px = 0.5;
   options.refine_focal = false;
   options.arc_sigma = 10;
   Bundle bundle = with_edges(truth);
-  ASSERT_TRUE(adjust(bundle, options, Job{}).usable);
+  ASSERT_TRUE(adjust_bundle(bundle, options, Job{}).usable);
   const auto gap = [&] {
     const auto between = [](const Bundle& b) -> Eigen::Matrix3d {
       return b.cameras[7].world_from_camera.transpose() * b.cameras[0].world_from_camera;
@@ -381,23 +383,23 @@ TEST(AdjustWholeTracks, BelievesNothingOfATrackThatShowsTwoThings) {
     return angle_deg(between(bundle), between(truth));
   };
   const double by_observations = gap();
-  adjust_whole_tracks(bundle, options, 0.5, Job{});
+  adjust_with_track_weights(bundle, options, 0.5, Job{});
   EXPECT_LT(gap(), 0.3 * by_observations) << by_observations;
   for (const BundleObservation& o : bundle.observations) EXPECT_EQ(o.weight, 1);
 }
 
 // Two fifths of what one camera sees are beside where they should be, all to the same side: too near for a wide scale
 // to leave them alone.
-TEST(AdjustNarrowly, PutsACameraWhereMostOfWhatItSeesSaysExactly) {
-  const Bundle truth = true_bundle(Model::free);
+TEST(AdjustWithNarrowTrackWeights, PutsACameraWhereMostOfWhatItSeesSaysExactly) {
+  const Bundle truth = true_bundle(MotionModel::free);
   Bundle bundle = truth;
   for (BundleObservation& o : bundle.observations) {
     if (o.point % 5 < 2 && o.camera == 4) o.position_px.x() += 3;
   }
-  BundleOptions options;
+  BundleAdjustmentOptions options;
   options.arc_sigma = 10;
-  ASSERT_TRUE(adjust(bundle, options, Job{}).usable);
-  adjust_whole_tracks(bundle, options, 1, Job{});
+  ASSERT_TRUE(adjust_bundle(bundle, options, Job{}).usable);
+  adjust_with_track_weights(bundle, options, 1, Job{});
   const auto gap = [&] {
     const auto between = [](const Bundle& b) -> Eigen::Matrix3d {
       return b.cameras[4].world_from_camera.transpose() * b.cameras[3].world_from_camera;
@@ -405,26 +407,26 @@ TEST(AdjustNarrowly, PutsACameraWhereMostOfWhatItSeesSaysExactly) {
     return angle_deg(between(bundle), between(truth));
   };
   const double before = gap();
-  EXPECT_TRUE(adjust_narrowly(bundle, options, 1, Job{}));
+  EXPECT_TRUE(adjust_with_narrow_track_weights(bundle, options, 1, Job{}));
   EXPECT_LT(gap(), 0.1 * before) << before;
   for (const BundleObservation& o : bundle.observations) EXPECT_EQ(o.weight, 1);
 }
 
-TEST(AdjustNarrowly, LeavesCamerasWhereNoneAreClearlyBetter) {
+TEST(AdjustWithNarrowTrackWeights, LeavesCamerasWhereNoneAreClearlyBetter) {
   std::mt19937 random(8);
-  Bundle bundle = true_bundle(Model::free);
+  Bundle bundle = true_bundle(MotionModel::free);
   for (BundleObservation& o : bundle.observations)
     o.position_px += 0.5 * Eigen::Vector2d(uniform(random, -1, 1), uniform(random, -1, 1));
-  BundleOptions options;
+  BundleAdjustmentOptions options;
   options.arc_sigma = 10;
-  ASSERT_TRUE(adjust(bundle, options, Job{}).usable);
-  adjust_whole_tracks(bundle, options, 1, Job{});
+  ASSERT_TRUE(adjust_bundle(bundle, options, Job{}).usable);
+  adjust_with_track_weights(bundle, options, 1, Job{});
   const Bundle before = bundle;
-  EXPECT_FALSE(adjust_narrowly(bundle, options, 1, Job{}));
+  EXPECT_FALSE(adjust_with_narrow_track_weights(bundle, options, 1, Job{}));
   for (size_t i = 0; i < before.cameras.size(); ++i) EXPECT_EQ(bundle.cameras[i].centre, before.cameras[i].centre);
 }
 
-class AdjustModel : public testing::TestWithParam<Model> {};
+class AdjustModel : public testing::TestWithParam<MotionModel> {};
 
 TEST_P(AdjustModel, ReturnsToTheTruthFromADisturbedStart) {
   const Bundle truth = true_bundle(GetParam());
@@ -435,14 +437,14 @@ TEST_P(AdjustModel, ReturnsToTheTruthFromADisturbedStart) {
     p.world_from_camera = p.world_from_camera * turn(0.3, i % 2 == 0 ? 0.5 : -0.5, 0.2);
     p.centre = p.world_from_camera.col(2);
   }
-  BundleOptions options;
+  BundleAdjustmentOptions options;
   options.model = GetParam();
   options.refine_distortion = true;
   options.loss_px = 5;
   options.arc_sigma = 10;
-  options.most_iterations = 200;
+  options.max_iterations = 200;
   const Eigen::Matrix3d held = bundle.cameras[4].world_from_camera;
-  EXPECT_TRUE(adjust(bundle, options, Job{}).usable);
+  EXPECT_TRUE(adjust_bundle(bundle, options, Job{}).usable);
   EXPECT_LT(angle_deg(bundle.cameras[4].world_from_camera, held), 1e-6) << "the world turned, which nothing asks for";
   EXPECT_NEAR(bundle.lens.focal_px, 700, 1);
   for (size_t i = 1; i < bundle.cameras.size(); ++i) {
@@ -452,22 +454,23 @@ TEST_P(AdjustModel, ReturnsToTheTruthFromADisturbedStart) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryModel, AdjustModel, testing::Values(Model::rotation, Model::spherical, Model::free),
+INSTANTIATE_TEST_SUITE_P(EveryModel, AdjustModel,
+                         testing::Values(MotionModel::rotation, MotionModel::spherical, MotionModel::free),
                          [](const auto& model) {
-                           return model.param == Model::rotation    ? "rotation"
-                                  : model.param == Model::spherical ? "spherical"
-                                                                    : "free";
+                           return model.param == MotionModel::rotation    ? "rotation"
+                                  : model.param == MotionModel::spherical ? "spherical"
+                                                                          : "free";
                          });
 
 TEST(Adjust, GivesTheSameBytesAtAnyThreadCount) {
   const auto adjusted = [](int threads) {
-    Bundle bundle = true_bundle(Model::free);
+    Bundle bundle = true_bundle(MotionModel::free);
     bundle.lens = {720, 0, 0};
     Job job;
     job.threads = threads;
-    BundleOptions options;
+    BundleAdjustmentOptions options;
     options.refine_distortion = true;
-    adjust(bundle, options, job);
+    adjust_bundle(bundle, options, job);
     return bundle;
   };
   const Bundle one = adjusted(1), three = adjusted(3);
@@ -480,16 +483,16 @@ TEST(Adjust, GivesTheSameBytesAtAnyThreadCount) {
 
 TEST(Adjust, KeepsPointsThisSideOfInfinityWhereAsked) {
   const auto farthest = [](bool in_front) {
-    Bundle bundle = true_bundle(Model::free);
+    Bundle bundle = true_bundle(MotionModel::free);
     for (size_t i = 0; i < bundle.points.size(); i += 2) bundle.points[i].inverse_distance = -0.02;
     for (BundleObservation& o : bundle.observations) {
       o.position_px = project_point(bundle.cameras[static_cast<size_t>(o.camera)], bundle.lens,
                                     bundle.points[static_cast<size_t>(o.point)])
                           .position_px;
     }
-    BundleOptions options;
-    options.in_front = in_front;
-    EXPECT_TRUE(adjust(bundle, options, Job{}).usable);
+    BundleAdjustmentOptions options;
+    options.enforce_cheirality = in_front;
+    EXPECT_TRUE(adjust_bundle(bundle, options, Job{}).usable);
     double least = 0;
     for (const BundleObservation& o : bundle.observations)
       least = std::min(least, bundle.points[static_cast<size_t>(o.point)].inverse_distance);
@@ -499,8 +502,8 @@ TEST(Adjust, KeepsPointsThisSideOfInfinityWhereAsked) {
   EXPECT_LT(farthest(false), -0.01);
 }
 
-TEST(PlaceGood, LeavesOutATrackOfWhichOnlyHalfAgrees) {
-  Bundle bundle = true_bundle(Model::free);
+TEST(TriangulateInliers, LeavesOutATrackOfWhichOnlyHalfAgrees) {
+  Bundle bundle = true_bundle(MotionModel::free);
   const auto track_of = [&](int point) {
     Track track;
     for (const BundleObservation& o : bundle.observations) {
@@ -514,7 +517,7 @@ TEST(PlaceGood, LeavesOutATrackOfWhichOnlyHalfAgrees) {
   }
   tracks[1][0].position_px.y() += 40;  // three of four agree
   tracks[2][0].position_px.y() += 40, tracks[2][2].position_px.y() -= 60;
-  const std::vector<Track> kept = place_good(tracks, 3, false, bundle, Job{});
+  const std::vector<Track> kept = triangulate_inliers(tracks, 3, false, bundle, Job{});
   ASSERT_EQ(kept.size(), 2U);
   EXPECT_EQ(kept[0].size(), 4U);
   EXPECT_EQ(kept[1].size(), 3U);
@@ -524,7 +527,7 @@ TEST(PlaceGood, LeavesOutATrackOfWhichOnlyHalfAgrees) {
 // Whether a lens is found to bend by so many variances: pictures of one with this k1, points found to a third of a
 // pixel.
 bool bends(double k1) {
-  Bundle bundle = true_bundle(Model::free);
+  Bundle bundle = true_bundle(MotionModel::free);
   bundle.lens = {700, 0, 0};
   std::mt19937 random(3);
   for (BundleObservation& o : bundle.observations) {
@@ -535,28 +538,28 @@ bool bends(double k1) {
             .position_px;
     o.position_px += Eigen::Vector2d(uniform(random, -0.5, 0.5), uniform(random, -0.5, 0.5));
   }
-  BundleOptions options;
+  BundleAdjustmentOptions options;
   options.arc_sigma = 0.05;
-  const BundleSummary straight = adjust(bundle, options, Job{});
+  const BundleAdjustmentSummary straight = adjust_bundle(bundle, options, Job{});
   EXPECT_TRUE(straight.usable);
-  const std::optional<Bundle> bent = bent_lens(bundle, options, straight.cost, Job{});
+  const std::optional<Bundle> bent = adjust_with_distortion(bundle, options, straight.cost, Job{});
   if (bent) {
     EXPECT_NEAR(bent->lens.k1, k1, 0.02);
   }
   return bent.has_value();
 }
 
-TEST(BentLens, IsFreedWhereItExplainsClearlyMore) {
+TEST(AdjustWithDistortion, IsFreedWhereItExplainsClearlyMore) {
   EXPECT_TRUE(bends(-0.05));
   EXPECT_TRUE(bends(0.05));
 }
 
-TEST(BentLens, StaysStraightWhereItExplainsTheNoiseALittleBetter) { EXPECT_FALSE(bends(0)); }
+TEST(AdjustWithDistortion, StaysStraightWhereItExplainsTheNoiseALittleBetter) { EXPECT_FALSE(bends(0)); }
 
 // Points of a wall seen by the two cameras in the middle; the one amid them is at another inverse distance, and a third
 // camera may see it.
-std::vector<bool> loners_of_a_wall(double other, bool third) {
-  Bundle bundle = true_bundle(Model::free);
+std::vector<bool> depth_outliers_of_a_wall(double other, bool third) {
+  Bundle bundle = true_bundle(MotionModel::free);
   bundle.points.clear();
   std::vector<Track> tracks;
   for (int i = 0; i < 25; ++i) {
@@ -570,41 +573,41 @@ std::vector<bool> loners_of_a_wall(double other, bool third) {
     }
     tracks.push_back(std::move(track));
   }
-  return loners(tracks, bundle, 5);
+  return depth_outliers(tracks, bundle, 5);
 }
 
-TEST(Loners, AreAsFarAsNothingAroundThem) {
-  std::vector<bool> alone = loners_of_a_wall(0.6, false);
+TEST(DepthOutliers, AreAsFarAsNothingAroundThem) {
+  std::vector<bool> alone = depth_outliers_of_a_wall(0.6, false);
   EXPECT_TRUE(alone[12]);
   EXPECT_EQ(std::count(alone.begin(), alone.end(), true), 1);
-  alone = loners_of_a_wall(0.21, false);
+  alone = depth_outliers_of_a_wall(0.21, false);
   EXPECT_EQ(std::count(alone.begin(), alone.end(), true), 0);
 }
 
-TEST(Loners, AreBelievedWhereAThirdPhotoSeesThem) { EXPECT_FALSE(loners_of_a_wall(0.6, true)[12]); }
+TEST(DepthOutliers, AreBelievedWhereAThirdPhotoSeesThem) { EXPECT_FALSE(depth_outliers_of_a_wall(0.6, true)[12]); }
 
-TEST(Loners, BeyondInfinityAreNot) { EXPECT_TRUE(loners_of_a_wall(-0.09, true)[12]); }
+TEST(DepthOutliers, BeyondInfinityAreNot) { EXPECT_TRUE(depth_outliers_of_a_wall(-0.09, true)[12]); }
 
-TEST(Loners, AreNoneWhereTheCamerasAreWrong) {
-  Bundle bundle = true_bundle(Model::free);
+TEST(DepthOutliers, AreNoneWhereTheCamerasAreWrong) {
+  Bundle bundle = true_bundle(MotionModel::free);
   std::vector<Track> tracks;
   for (InversePoint& point : bundle.points) {
     tracks.push_back({{3, -1, Eigen::Vector2d::Zero()}, {4, -1, Eigen::Vector2d::Zero()}});
     point.inverse_distance = -0.5;
   }
-  const std::vector<bool> alone = loners(tracks, bundle, 5);
+  const std::vector<bool> alone = depth_outliers(tracks, bundle, 5);
   EXPECT_EQ(std::count(alone.begin(), alone.end(), true), 0);
 }
 
-TEST(Unsteadiness, IsThatOfTheStepsAndNotOfHowTheCameraIsHeld) {
-  Bundle bundle = true_bundle(Model::spherical);
+TEST(MotionRoughness, IsThatOfTheStepsAndNotOfHowTheCameraIsHeld) {
+  Bundle bundle = true_bundle(MotionModel::spherical);
   const std::vector<std::string> dropped(bundle.cameras.size());
-  EXPECT_NEAR(unsteadiness(dropped, bundle), 0, 1e-12);
+  EXPECT_NEAR(motion_roughness(dropped, bundle), 0, 1e-12);
   Bundle shifted = bundle;
   for (Pose& pose : shifted.cameras) pose.centre += Eigen::Vector3d(0.3, 0.2, 0.1);
-  EXPECT_NEAR(unsteadiness(dropped, shifted), 0, 1e-12);
+  EXPECT_NEAR(motion_roughness(dropped, shifted), 0, 1e-12);
   for (size_t i = 4; i < bundle.cameras.size(); ++i) bundle.cameras[i].centre.y() += 0.1;
-  EXPECT_NEAR(unsteadiness(dropped, bundle), 0.1 / static_cast<double>(bundle.cameras.size() - 1), 1e-9);
+  EXPECT_NEAR(motion_roughness(dropped, bundle), 0.1 / static_cast<double>(bundle.cameras.size() - 1), 1e-9);
 }
 
 // A sweep whose features and matches are those of a known bundle.
@@ -614,7 +617,7 @@ struct KnownSweep {
   std::vector<std::string> names;
 
   KnownSweep() {
-    found.bundle = true_bundle(Model::free);
+    found.bundle = true_bundle(MotionModel::free);
     const size_t frames = found.bundle.cameras.size();
     found.dropped.resize(frames);
     found.tracks.resize(found.bundle.points.size());
@@ -658,23 +661,23 @@ PairMatches seen_twice(const KnownSweep& known, int a, int b) {
   return pair;
 }
 
-TEST(WithoutContradictions, KeepsTheMatchesOfATrueSweep) {
+TEST(RejectInconsistentMatches, KeepsTheMatchesOfATrueSweep) {
   const KnownSweep known;
-  const std::vector<PairMatches> kept =
-      without_contradictions(known.sweep.pairs, turns(known.sweep, {}, Turning::on_the_sphere, Job{}));
+  const std::vector<PairMatches> kept = reject_inconsistent_matches(
+      known.sweep.pairs, rotation_hypotheses(known.sweep, {}, TwoViewMotion::spherical, Job{}));
   ASSERT_EQ(kept.size(), known.sweep.pairs.size());
   for (size_t i = 0; i < kept.size(); ++i)
     EXPECT_GT(kept[i].matches.size(), 0.95 * static_cast<double>(known.sweep.pairs[i].matches.size())) << i;
 }
 
-TEST(WithoutContradictions, LeavesOutThingsThatOnlyLookTheSame) {
+TEST(RejectInconsistentMatches, LeavesOutThingsThatOnlyLookTheSame) {
   KnownSweep known;
   const size_t true_pairs = known.sweep.pairs.size();
   known.sweep.pairs.push_back(seen_twice(known, 1, 4));
   ASSERT_GE(known.sweep.pairs.back().matches.size(), 16U);
   const FocalPrior told{known.found.bundle.lens.focal_px, 0.1};
-  const std::vector<PairMatches> kept =
-      without_contradictions(known.sweep.pairs, turns(known.sweep, told, Turning::on_the_sphere, Job{}));
+  const std::vector<PairMatches> kept = reject_inconsistent_matches(
+      known.sweep.pairs, rotation_hypotheses(known.sweep, told, TwoViewMotion::spherical, Job{}));
   EXPECT_EQ(kept.size(), true_pairs);
 }
 
@@ -705,8 +708,8 @@ TEST(Doubt, TellsOfStepsThatNoThirdPhotoCompares) {
   }
   known.found.tracks = pairs;
   EXPECT_THAT(known.doubted(), HasSubstr("hardly a point is seen in three photos"));
-  EXPECT_THAT(known.doubted(), HasSubstr("--fov"));
-  EXPECT_THAT(doubt(known.sweep, known.found, known.names, true), testing::Not(HasSubstr("--fov")));
+  EXPECT_THAT(known.doubted(), HasSubstr("field of view"));
+  EXPECT_THAT(doubt(known.sweep, known.found, known.names, true), testing::Not(HasSubstr("field of view")));
 }
 
 TEST(Doubt, TellsOfALensThatNoCameraHas) {
@@ -714,45 +717,45 @@ TEST(Doubt, TellsOfALensThatNoCameraHas) {
   known.sweep.pairs.clear();
   known.found.bundle.lens.focal_px = 1e4;
   EXPECT_THAT(known.doubted(), HasSubstr("a camera that sees 5 degrees"));
-  EXPECT_THAT(known.doubted(), HasSubstr("--fov"));
+  EXPECT_THAT(known.doubted(), HasSubstr("field of view"));
   EXPECT_EQ(doubt(known.sweep, known.found, known.names, true), "");
 }
 
-TEST(LooselyHeld, IsAnOpenArcOfWhichNoThirdPhotoComparesSteps) {
+TEST(IsIllConditioned, IsAnOpenArcOfWhichNoThirdPhotoComparesSteps) {
   KnownSweep known;
-  EXPECT_FALSE(loosely_held(known.found));
+  EXPECT_FALSE(is_ill_conditioned(known.found));
   for (Track& track : known.found.tracks) track.resize(std::min<size_t>(track.size(), 2));
-  EXPECT_TRUE(loosely_held(known.found));
+  EXPECT_TRUE(is_ill_conditioned(known.found));
   known.found.closed = true;
-  EXPECT_FALSE(loosely_held(known.found));
+  EXPECT_FALSE(is_ill_conditioned(known.found));
   known.found.closed = false;
   known.found.motion = Motion::straight;
-  EXPECT_FALSE(loosely_held(known.found));
+  EXPECT_FALSE(is_ill_conditioned(known.found));
 }
 
-TEST(LooselyHeld, IsAnArcThatOnePhotoHoldsLoosely) {
+TEST(IsIllConditioned, IsAnArcThatOnePhotoHoldsLoosely) {
   KnownSweep known;
   for (Track& track : known.found.tracks) std::erase_if(track, [](const Observation& o) { return o.frame == 4; });
-  EXPECT_TRUE(loosely_held(known.found));
+  EXPECT_TRUE(is_ill_conditioned(known.found));
   known.found.dropped[4] = "it is left out";
-  EXPECT_FALSE(loosely_held(known.found));
+  EXPECT_FALSE(is_ill_conditioned(known.found));
 }
 
-TEST(Tears, IsToLoseHalfOfWhatOthersExplainAcrossAStep) {
-  EXPECT_EQ(across_steps({{{0}, {1}, {3}}, {{1}, {2}}, {{0}, {1}}}, 4), (std::vector<int>{2, 1, 0, 0}));
-  EXPECT_FALSE(tears({200, 51, 0}, {200, 100, 0}));
-  EXPECT_TRUE(tears({200, 49, 0}, {200, 100, 0}));
-  EXPECT_FALSE(tears({200, 3, 0}, {200, 10, 0}));
+TEST(BreaksConnectivity, IsToLoseHalfOfWhatOthersExplainAcrossAStep) {
+  EXPECT_EQ(tracks_across_steps({{{0}, {1}, {3}}, {{1}, {2}}, {{0}, {1}}}, 4), (std::vector<int>{2, 1, 0, 0}));
+  EXPECT_FALSE(breaks_connectivity({200, 51, 0}, {200, 100, 0}));
+  EXPECT_TRUE(breaks_connectivity({200, 49, 0}, {200, 100, 0}));
+  EXPECT_FALSE(breaks_connectivity({200, 3, 0}, {200, 10, 0}));
 }
 
-TEST(ReseatLostFrames, PutsAFrameWhereItsMatchesWantIt) {
+TEST(ResectLostFrames, PutsAFrameWhereItsMatchesWantIt) {
   KnownSweep known;
   const std::vector<Pose> truth = known.found.bundle.cameras;
   std::vector<Pose>& cameras = known.found.bundle.cameras;
   for (const size_t lost : {size_t{0}, size_t{5}, size_t{7}}) {
     cameras[lost].world_from_camera = turn(2, 20, 0) * cameras[lost].world_from_camera;
     cameras[lost].centre = cameras[lost].world_from_camera.col(2);
-    EXPECT_TRUE(reseat_lost_frames(known.sweep, known.found));
+    EXPECT_TRUE(resect_lost_frames(known.sweep, known.found));
     for (size_t i = 0; i < cameras.size(); ++i) {
       EXPECT_LT(angle_deg(cameras[i].world_from_camera, truth[i].world_from_camera), i == lost ? 1.5 : 1e-5);
     }
@@ -760,13 +763,13 @@ TEST(ReseatLostFrames, PutsAFrameWhereItsMatchesWantIt) {
   }
 }
 
-TEST(ReseatLostFrames, LeavesThoseThatAgreeAndThoseWithoutAPose) {
+TEST(ResectLostFrames, LeavesThoseThatAgreeAndThoseWithoutAPose) {
   KnownSweep known;
-  EXPECT_FALSE(reseat_lost_frames(known.sweep, known.found));
+  EXPECT_FALSE(resect_lost_frames(known.sweep, known.found));
   Pose& pose = known.found.bundle.cameras[5];
   pose.world_from_camera = turn(2, 20, 0) * pose.world_from_camera;
   known.found.dropped[5] = "it is left out";
-  EXPECT_FALSE(reseat_lost_frames(known.sweep, known.found));
+  EXPECT_FALSE(resect_lost_frames(known.sweep, known.found));
 }
 
 // Cameras of a hand that leaves its circle by a tenth of it, seen sharply by points that are far.
@@ -791,39 +794,39 @@ KnownSweep wandering() {
   return known;
 }
 
-TEST(Rounds, BelieveInAThoroughEndThatAHandLeavesItsCircleAsFarAsItSeemed) {
+TEST(IterativeRefinement, BelieveInAThoroughEndThatAHandLeavesItsCircleAsFarAsItSeemed) {
   KnownSweep known = wandering();
   const std::vector<Track> tracks = known.found.tracks;
-  Rounds rounds(known.sweep, {}, Job{}), free = rounds;
-  free.leave_the_arc();
+  IterativeRefinement refinement(known.sweep, {}, Job{}), free = refinement;
+  free.set_min_arc_sigma(kWideArcSigma);
   Reconstruction unheld = known.found;
-  for (const double tolerance : kFollowed) free.round(tracks, tolerance, kAboutArc, unheld);
+  for (const double tolerance : kKltTolerances_px) free.iterate(tracks, tolerance, kArcSigma, unheld);
   const double scatter = scatter_about_arc(unheld);
-  rounds.round(tracks, kFollowed[0], kAboutArc, known.found);
+  refinement.iterate(tracks, kKltTolerances_px[0], kArcSigma, known.found);
   const double held_back = scatter - scatter_about_arc(known.found);
-  rounds.end_thoroughly();
-  rounds.round(tracks, kFollowed[1], kAboutArc, known.found);
+  refinement.reweight_tracks_at_end();
+  refinement.iterate(tracks, kKltTolerances_px[1], kArcSigma, known.found);
   EXPECT_GT(held_back, 0.05 * scatter);
   EXPECT_LT(std::abs(scatter - scatter_about_arc(known.found)), 0.3 * held_back);
 }
 
-TEST(Rounds, KeepTheBendOfTheLensWhereAsked) {
+TEST(IterativeRefinement, KeepTheBendOfTheLensWhereAsked) {
   KnownSweep known;
   const std::vector<Track> tracks = known.found.tracks;
   const Lens truth = known.found.bundle.lens;
   known.found.bundle.lens.k1 = 0.04;
-  Rounds rounds(known.sweep, {}, Job{});
-  rounds.round(tracks, kMatched[2], kFarArc, known.found);
-  rounds.decide_distortion(known.found);
-  ASSERT_TRUE(rounds.bent());
+  IterativeRefinement refinement(known.sweep, {}, Job{});
+  refinement.iterate(tracks, kMatchTolerances_px[2], kWideArcSigma, known.found);
+  refinement.select_distortion_model(known.found);
+  ASSERT_TRUE(refinement.refines_distortion());
   EXPECT_NEAR(known.found.bundle.lens.k1, truth.k1, 0.005);
   known.found.bundle.lens.k1 = 0.05;
-  Rounds keeping = rounds;
-  keeping.keep_the_bend();
+  IterativeRefinement keeping = refinement;
+  keeping.fix_distortion();
   Reconstruction kept = known.found;
-  keeping.round(tracks, kMatched[2], kFarArc, kept);
+  keeping.iterate(tracks, kMatchTolerances_px[2], kWideArcSigma, kept);
   EXPECT_EQ(kept.bundle.lens.k1, 0.05);
-  rounds.round(tracks, kMatched[2], kFarArc, known.found);
+  refinement.iterate(tracks, kMatchTolerances_px[2], kWideArcSigma, known.found);
   EXPECT_NEAR(known.found.bundle.lens.k1, truth.k1, 0.005);
 }
 
@@ -1127,4 +1130,4 @@ TEST(Triangulate, NamesFramesWithoutACamera) {
 }
 
 }  // namespace
-}  // namespace ldp
+}  // namespace ldp::sfm

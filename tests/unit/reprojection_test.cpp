@@ -2,17 +2,17 @@
 
 #include <gtest/gtest.h>
 
-namespace ldp {
+namespace ldp::sfm {
 namespace {
 
 using Matrix26 = Eigen::Matrix<double, 2, 6>;
 
 // What Ceres sees of residuals that come scaled costs what Cauchy's loss does and has its gradient.
-TEST(CauchySteps, CostAndGradientAreThoseOfTheLoss) {
+TEST(CorrectedCauchyLoss, CostAndGradientAreThoseOfTheLoss) {
   const double scale = 0.8, weight = 0.3;
   const Matrix26 derivatives = Matrix26::NullaryExpr([](auto i, auto j) { return std::sin(3.0 * double(i + 2 * j)); });
   for (const double share : {1.0, 0.65, 0.3}) {
-    const CauchySteps loss(scale, weight, share);
+    const CorrectedCauchyLoss loss(scale, weight, share);
     for (const double length : {0.0, 0.01, 0.1, 0.3, 0.5, 0.7, 0.8, 1.0, 2.0, 40.0}) {
       const Eigen::Vector2d residual = length * Eigen::Vector2d(0.6, -0.8);
       Eigen::Vector2d scaled = residual;
@@ -54,18 +54,18 @@ double numeric(const ceres::CostFunction& cost, std::vector<std::vector<double>>
 }
 
 // Where the loss does nothing: derivatives by turn, centre, lens and point.
-template <Model kModel>
+template <MotionModel kModel>
 void expect_true_derivatives() {
-  constexpr size_t kBlock = kModel == Model::free ? 6 : 3, kPoint = kModel == Model::rotation ? 2 : 3;
-  Turned camera(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix());
+  constexpr size_t kBlock = kModel == MotionModel::free ? 6 : 3, kPoint = kModel == MotionModel::rotation ? 2 : 3;
+  CameraRotation camera(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix());
   const DirectionFrame frame{camera.at_start.transpose() * Eigen::Vector3d(0.2, -0.1, 1).normalized(),
                              Eigen::Vector3d(0.1, 0.9, 0.3), Eigen::Vector3d(0.8, -0.2, 0.4)};
-  const CauchySteps loss(1e9, 1, 1);
+  const CorrectedCauchyLoss loss(1e9, 1, 1);
   const Reprojection<kModel> cost({0, 0, {11, -7}, 1.7}, camera, frame, loss);
   std::vector<double> pose{0.05, -0.1, 0.2, 0.3, -0.2, 0.5}, lens{std::log(600), -0.1, 0.03, 0, 0, 0},
       point{0.03, -0.02, 0.4};
   pose.resize(kBlock), lens.resize(kBlock), point.resize(kPoint);
-  const auto turn = [&](const std::vector<double>& block) { camera.turn({block[0], block[1], block[2]}); };
+  const auto turn = [&](const std::vector<double>& block) { camera.update({block[0], block[1], block[2]}); };
   turn(pose);
   double by_pose[12], by_lens[12], by_point[6], r[2];
   double* by[] = {by_pose, by_lens, by_point};
@@ -84,10 +84,10 @@ void expect_true_derivatives() {
 }
 
 TEST(Reprojection, DerivativesAreTrue) {
-  expect_true_derivatives<Model::free>();
-  expect_true_derivatives<Model::spherical>();
-  expect_true_derivatives<Model::rotation>();
+  expect_true_derivatives<MotionModel::free>();
+  expect_true_derivatives<MotionModel::spherical>();
+  expect_true_derivatives<MotionModel::rotation>();
 }
 
 }  // namespace
-}  // namespace ldp
+}  // namespace ldp::sfm

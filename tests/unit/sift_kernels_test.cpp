@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace ldp::sift {
+namespace ldp::sfm::sift {
 namespace {
 
 std::vector<float> random_numbers(size_t count, unsigned seed) {
@@ -80,17 +80,17 @@ TEST(SiftKernels, MarkWhatNothingOfThreeByThreeByThreeIsBeyond) {
 TEST(SiftKernels, KeepPlacesJustShortOfTheEndWithinTheCells) {
   constexpr int kSide = 7;
   const std::vector<float> picture = random_numbers(kSide * kSide, 5), weights(kSide, 1.0F);
-  const Turn turn{0, std::nextafter(1.25F, 0.0F), 0};
+  const PatchRotation turn{0, std::nextafter(1.25F, 0.0F), 0};
   ASSERT_LT(turn.sine * 2 + 1.5F, 4.0F);
   ASSERT_EQ(turn.sine * 2 + 1.5F + 1, 5.0F);
   for (const Kernels* kernels : {&best(), &plain()}) {
     struct {
       Cells cells = {};
-      float beyond[2 * kRimmed * kDirections];
+      float beyond[2 * kPaddedCells * kOrientations];
     } memory;
     std::fill(std::begin(memory.beyond), std::end(memory.beyond), -0.0F);  // even adding nothing would show
     const float* const middle = &picture[static_cast<size_t>(5 * kSide + 3)];
-    kernels->add_to_cells({middle, kSide, 2, -2, -1, &weights[3]}, turn, memory.cells);
+    kernels->add_to_descriptor({middle, kSide, 2, -2, -1, &weights[3]}, turn, memory.cells);
     EXPECT_GT(std::accumulate(std::begin(memory.cells), std::end(memory.cells), 0.0F), 0);
     EXPECT_TRUE(
         std::all_of(std::begin(memory.beyond), std::end(memory.beyond), [](float f) { return std::signbit(f); }));
@@ -103,17 +103,17 @@ TEST(SiftKernels, AtHandAddTheSameBytesAsThePlainOnes) {
   for (int turn = 0; turn < 12; ++turn) {
     for (const int first : {-kReach, -20, 0}) {
       Cells cells[2] = {};
-      float bins[2][kAngles] = {};
+      float bins[2][kOrientationBins] = {};
       const double angle = 0.5 * turn, per_px = 0.06 + 0.01 * turn;
-      const Turn to_cells{static_cast<float>(per_px * std::cos(angle)), static_cast<float>(per_px * std::sin(angle)),
-                          static_cast<float>(angle)};
+      const PatchRotation to_cells{static_cast<float>(per_px * std::cos(angle)),
+                                   static_cast<float>(per_px * std::sin(angle)), static_cast<float>(angle)};
       for (const int y : {-kReach, -7, 0, 11, kReach}) {
         const float* const middle = &picture[static_cast<size_t>((y + kReach + 1) * kSide + kReach + 1)];
         const WindowRow row{middle, kSide, y, first, kReach + 1 - turn, &weights[kReach]};
-        best().add_to_cells(row, to_cells, cells[0]);
-        plain().add_to_cells(row, to_cells, cells[1]);
-        best().add_directions(row, bins[0]);
-        plain().add_directions(row, bins[1]);
+        best().add_to_descriptor(row, to_cells, cells[0]);
+        plain().add_to_descriptor(row, to_cells, cells[1]);
+        best().add_to_orientation_histogram(row, bins[0]);
+        plain().add_to_orientation_histogram(row, bins[1]);
       }
       EXPECT_TRUE(std::equal(std::begin(cells[0]), std::end(cells[0]), std::begin(cells[1])));
       EXPECT_TRUE(std::equal(std::begin(bins[0]), std::end(bins[0]), std::begin(bins[1])));
@@ -123,4 +123,4 @@ TEST(SiftKernels, AtHandAddTheSameBytesAsThePlainOnes) {
 }
 
 }  // namespace
-}  // namespace ldp::sift
+}  // namespace ldp::sfm::sift

@@ -9,7 +9,7 @@
 
 #include "core/base/exact_math.h"
 
-namespace ldp {
+namespace ldp::sfm {
 namespace {
 
 // Bright and dark spots of many sizes: whole numbers from exact functions only.
@@ -47,7 +47,7 @@ GreyImage quarter_turned(const GreyImage& image) {  // (x, y) to (height - y, x)
 std::vector<Keypoint> keypoints_of(const Sift& sift) {
   std::vector<Keypoint> keypoints;
   for (const Keypoint& extremum : sift.extrema()) {
-    for (const Keypoint& keypoint : sift.turned(extremum)) keypoints.push_back(keypoint);
+    for (const Keypoint& keypoint : sift.oriented(extremum)) keypoints.push_back(keypoint);
   }
   return keypoints;
 }
@@ -118,4 +118,4 @@ TEST(Sift, GivesTheSameBytesOnEveryMachine) {
 }
 
 }  // namespace
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -6,14 +6,11 @@
 #include <cmath>
 #include <mutex>
 
+#include "core/poses/adjust/adjust_tuning.h"
 #include "core/poses/adjust/reprojection_error.h"
 
-namespace ldp {
+namespace ldp::sfm {
 namespace {
-
-constexpr double kDistortionSigma = 0.1;  // of k1 and k2 about zero
-constexpr double kHeldSigma = 1e-8;       // of what is held where it is
-constexpr double kBoldly = 0.65;          // of CauchySteps: from 0.8 to 0.5 on the last rounds take a third fewer steps
 
 // What is not refined is held by its prior: a block held in part would have another size than the others.
 template <size_t kSize>
@@ -47,19 +44,20 @@ class StopCheck : public ceres::IterationCallback {
 
 // The parameters as Ceres wants them: flat blocks. All in one piece of memory, because Ceres goes through blocks in the
 // order of their addresses, and the order of additions decides the last bits of their sums.
-class Blocks {
+class ParameterBlocks {
  public:
-  Blocks(size_t cameras, size_t points) : cameras_(cameras), values_(kFreeBlock * (cameras + 1) + 3 * points) {}
+  ParameterBlocks(size_t cameras, size_t points)
+      : cameras_(cameras), values_(kFreeBlock * (cameras + 1) + 3 * points) {}
 
-  double* camera(size_t camera) { return values_.data() + kFreeBlock * camera; }  // turn since the start, centre
+  double* camera(size_t camera) { return values_.data() + kFreeBlock * camera; }  // rotation since the start, centre
   double* lens() { return camera(cameras_); }
   double* point(size_t point) { return camera(cameras_ + 1) + 3 * point; }
 
-  std::vector<Turned> turned;          // of the cameras
-  std::vector<DirectionFrame> frames;  // of the points
+  std::vector<CameraRotation> rotations;  // of the cameras
+  std::vector<DirectionFrame> frames;     // of the points
 
-  void turn() {
-    for (size_t i = 0; i < cameras_; ++i) turned[i].turn(Eigen::Map<const Eigen::Vector3d>(camera(i)));
+  void update_rotations() {
+    for (size_t i = 0; i < cameras_; ++i) rotations[i].update(Eigen::Map<const Eigen::Vector3d>(camera(i)));
   }
 
  private:
@@ -67,10 +65,10 @@ class Blocks {
   std::vector<double> values_;
 };
 
-Blocks blocks_of(const Bundle& bundle) {
-  Blocks blocks(bundle.cameras.size(), bundle.points.size());
+ParameterBlocks parameter_blocks(const Bundle& bundle) {
+  ParameterBlocks blocks(bundle.cameras.size(), bundle.points.size());
   for (size_t i = 0; i < bundle.cameras.size(); ++i) {
-    blocks.turned.emplace_back(bundle.cameras[i].world_from_camera.transpose());
+    blocks.rotations.emplace_back(bundle.cameras[i].world_from_camera.transpose());
     Eigen::Map<Eigen::Vector3d>(blocks.camera(i) + 3) = bundle.cameras[i].centre;
   }
   for (size_t i = 0; i < bundle.points.size(); ++i) {
@@ -84,25 +82,25 @@ Blocks blocks_of(const Bundle& bundle) {
   return blocks;
 }
 
-// All observations of a camera share how it has turned.
-class TurnOnce : public ceres::EvaluationCallback {
+// All observations of a camera share its rotation.
+class RotationUpdate : public ceres::EvaluationCallback {
  public:
-  explicit TurnOnce(Blocks& blocks) : blocks_(blocks) {}
+  explicit RotationUpdate(ParameterBlocks& blocks) : blocks_(blocks) {}
   void PrepareForEvaluation(bool, bool new_place) override {
-    if (new_place) blocks_.turn();
+    if (new_place) blocks_.update_rotations();
   }
 
  private:
-  Blocks& blocks_;
+  ParameterBlocks& blocks_;
 };
 
-void take(Blocks& blocks, const BundleOptions& options, Bundle& bundle) {
-  blocks.turn();
+void write_back(ParameterBlocks& blocks, const BundleAdjustmentOptions& options, Bundle& bundle) {
+  blocks.update_rotations();
   for (size_t i = 0; i < bundle.cameras.size(); ++i) {
-    const Eigen::Quaterniond q(blocks.turned[i].camera_from_world);
+    const Eigen::Quaterniond q(blocks.rotations[i].camera_from_world);
     Pose& pose = bundle.cameras[i];
     pose.world_from_camera = q.normalized().toRotationMatrix().transpose();
-    pose.centre = options.model == Model::free
+    pose.centre = options.model == MotionModel::free
                       ? Eigen::Vector3d(Eigen::Map<const Eigen::Vector3d>(blocks.camera(i) + 3))
                       : Eigen::Vector3d(pose.world_from_camera.col(2));
   }
@@ -110,62 +108,62 @@ void take(Blocks& blocks, const BundleOptions& options, Bundle& bundle) {
     const double* p = blocks.point(i);
     const DirectionFrame& frame = blocks.frames[i];
     const Eigen::Vector3d m = frame.base + p[0] * frame.e1 + p[1] * frame.e2;
-    bundle.points[i] = {m.normalized(), options.model == Model::rotation ? 0 : p[2] / m.norm()};
+    bundle.points[i] = {m.normalized(), options.model == MotionModel::rotation ? 0 : p[2] / m.norm()};
   }
   if (options.refine_focal) bundle.lens.focal_px = std::exp(blocks.lens()[0]);
   if (options.refine_distortion) bundle.lens.k1 = blocks.lens()[1], bundle.lens.k2 = blocks.lens()[2];
 }
 
 struct Losses {
-  explicit Losses(const BundleOptions& options)
-      : confirmed(options.loss_px, 1, options.near_the_end ? kBoldly : 1),
-        pair(options.loss_px, options.pair_weight, options.near_the_end ? kBoldly : 1) {}
+  explicit Losses(const BundleAdjustmentOptions& options)
+      : multi_view(options.loss_px, 1, options.correct_curvature ? kMinCurvatureShare : 1),
+        two_view(options.loss_px, options.two_view_weight, options.correct_curvature ? kMinCurvatureShare : 1) {}
 
-  CauchySteps confirmed, pair;
+  CorrectedCauchyLoss multi_view, two_view;
 };
 
-std::vector<int> views_of_points(const Bundle& bundle) {
+std::vector<int> track_lengths(const Bundle& bundle) {
   std::vector<int> views(bundle.points.size(), 0);
   for (const BundleObservation& o : bundle.observations) ++views[static_cast<size_t>(o.point)];
   return views;
 }
 
-ceres::CostFunction* reprojection(Model model, const BundleObservation& o, const Blocks& blocks,
-                                  const CauchySteps& loss) {
-  const Turned& camera = blocks.turned[static_cast<size_t>(o.camera)];
+ceres::CostFunction* reprojection(MotionModel model, const BundleObservation& o, const ParameterBlocks& blocks,
+                                  const CorrectedCauchyLoss& loss) {
+  const CameraRotation& camera = blocks.rotations[static_cast<size_t>(o.camera)];
   const DirectionFrame& frame = blocks.frames[static_cast<size_t>(o.point)];
-  if (model == Model::rotation) return new Reprojection<Model::rotation>(o, camera, frame, loss);
-  if (model == Model::spherical) return new Reprojection<Model::spherical>(o, camera, frame, loss);
-  return new Reprojection<Model::free>(o, camera, frame, loss);
+  if (model == MotionModel::rotation) return new Reprojection<MotionModel::rotation>(o, camera, frame, loss);
+  if (model == MotionModel::spherical) return new Reprojection<MotionModel::spherical>(o, camera, frame, loss);
+  return new Reprojection<MotionModel::free>(o, camera, frame, loss);
 }
 
-void add_residuals(const Bundle& bundle, const BundleOptions& options, Blocks& blocks, Losses& losses,
-                   ceres::Problem& problem) {
-  const std::vector<int> views = views_of_points(bundle);
+void add_residuals(const Bundle& bundle, const BundleAdjustmentOptions& options, ParameterBlocks& blocks,
+                   Losses& losses, ceres::Problem& problem) {
+  const std::vector<int> views = track_lengths(bundle);
   for (const BundleObservation& o : bundle.observations) {
     const size_t camera = static_cast<size_t>(o.camera), point = static_cast<size_t>(o.point);
-    CauchySteps& loss = views[point] > 2 ? losses.confirmed : losses.pair;
+    CorrectedCauchyLoss& loss = views[point] > 2 ? losses.multi_view : losses.two_view;
     problem.AddResidualBlock(reprojection(options.model, o, blocks, loss), &loss, blocks.camera(camera), blocks.lens(),
                              blocks.point(point));
   }
-  if (options.model != Model::free) return;
+  if (options.model != MotionModel::free) return;
   for (size_t i = 0; i < bundle.cameras.size(); ++i) {
     if (!problem.HasParameterBlock(blocks.camera(i))) continue;
-    auto* const prior = new ArcPrior{blocks.turned[i].at_start, options.arc_sigma};
+    auto* const prior = new ArcPrior{blocks.rotations[i].at_start, options.arc_sigma};
     problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ArcPrior, 3, kFreeBlock>(prior), nullptr,
                              blocks.camera(i));
   }
 }
 
-// Turning the world changes no residual: without one camera held, rounding errors alone would say how it turns, and
-// cameras would come out otherwise on every machine.
-void hold_the_world(size_t cameras, Model model, Blocks& blocks, ceres::Problem& problem) {
+// Gauge freedom: turning the world changes no residual. Without one camera held, rounding errors alone would say how it
+// turns, and cameras would come out otherwise on every machine.
+void fix_gauge(size_t cameras, MotionModel model, ParameterBlocks& blocks, ceres::Problem& problem) {
   for (size_t i = 0; i < cameras; ++i) {
     double* camera = blocks.camera((i + cameras / 2) % cameras);
     if (!problem.HasParameterBlock(camera)) continue;
-    if (model == Model::free) {
+    if (model == MotionModel::free) {
       constexpr double kAny = 1e6;
-      add_prior<kFreeBlock>({}, {kHeldSigma, kHeldSigma, kHeldSigma, kAny, kAny, kAny}, camera, problem);
+      add_prior<kFreeBlock>({}, {kFixedSigma, kFixedSigma, kFixedSigma, kAny, kAny, kAny}, camera, problem);
     } else {
       problem.SetParameterBlockConstant(camera);
     }
@@ -173,13 +171,14 @@ void hold_the_world(size_t cameras, Model model, Blocks& blocks, ceres::Problem&
   }
 }
 
-void add_lens(const Bundle& bundle, const BundleOptions& options, Blocks& blocks, ceres::Problem& problem) {
+void add_lens_prior(const Bundle& bundle, const BundleAdjustmentOptions& options, ParameterBlocks& blocks,
+                    ceres::Problem& problem) {
   const FocalPrior prior = options.focal_prior.value_or(FocalPrior{bundle.lens.focal_px, 1e6});
   const double log_focal = std::log(options.refine_focal ? prior.focal_px : bundle.lens.focal_px);
   const double k1 = options.refine_distortion ? 0 : bundle.lens.k1, k2 = options.refine_distortion ? 0 : bundle.lens.k2;
-  const double focal_sigma = options.refine_focal ? prior.log_sigma : kHeldSigma;
-  const double distortion_sigma = options.refine_distortion ? kDistortionSigma : kHeldSigma;
-  if (options.model == Model::free) {
+  const double focal_sigma = options.refine_focal ? prior.log_sigma : kFixedSigma;
+  const double distortion_sigma = options.refine_distortion ? kDistortionSigma : kFixedSigma;
+  if (options.model == MotionModel::free) {
     add_prior<kFreeBlock>({log_focal, k1, k2, 0, 0, 0}, {focal_sigma, distortion_sigma, distortion_sigma, 1, 1, 1},
                           blocks.lens(), problem);
   } else {
@@ -187,52 +186,69 @@ void add_lens(const Bundle& bundle, const BundleOptions& options, Blocks& blocks
   }
 }
 
-}  // namespace
-
-BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& job) {
-  job.check();
-  static std::once_flag quiet;  // Ceres tells of every step that it rejects, on stderr; the summary is enough
-  std::call_once(quiet, [] { FLAGS_minloglevel = google::GLOG_FATAL; });
-  if (bundle.observations.empty()) return {};
-  Blocks blocks = blocks_of(bundle);
-  Losses losses(options);
-  ceres::Problem::Options setup;
-  setup.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  TurnOnce callback(blocks);
-  setup.evaluation_callback = &callback;
-  ceres::Problem problem(setup);
-  add_residuals(bundle, options, blocks, losses, problem);
-  hold_the_world(bundle.cameras.size(), options.model, blocks, problem);
-  add_lens(bundle, options, blocks, problem);
-
-  ceres::Solver::Options solver;
-  auto* ordering = new ceres::ParameterBlockOrdering;
+// Points are eliminated first (Schur complement), then cameras and lens together.
+ceres::ParameterBlockOrdering* elimination_order(const Bundle& bundle, const ceres::Problem& problem,
+                                                 ParameterBlocks& blocks) {
+  auto* const ordering = new ceres::ParameterBlockOrdering;
   for (size_t i = 0; i < bundle.points.size(); ++i) {
-    if (!problem.HasParameterBlock(blocks.point(i))) continue;
-    ordering->AddElementToGroup(blocks.point(i), 0);
-    if (options.in_front && options.model != Model::rotation) {
-      blocks.point(i)[2] = std::max(blocks.point(i)[2], 0.0);
-      problem.SetParameterLowerBound(blocks.point(i), 2, 0);
-    }
+    if (problem.HasParameterBlock(blocks.point(i))) ordering->AddElementToGroup(blocks.point(i), 0);
   }
   for (size_t i = 0; i < bundle.cameras.size(); ++i) {
     if (problem.HasParameterBlock(blocks.camera(i))) ordering->AddElementToGroup(blocks.camera(i), 1);
   }
   ordering->AddElementToGroup(blocks.lens(), 1);
-  solver.linear_solver_ordering.reset(ordering);
+  return ordering;
+}
+
+void keep_points_in_front(size_t points, ParameterBlocks& blocks, ceres::Problem& problem) {
+  for (size_t i = 0; i < points; ++i) {
+    if (!problem.HasParameterBlock(blocks.point(i))) continue;
+    blocks.point(i)[2] = std::max(blocks.point(i)[2], 0.0);
+    problem.SetParameterLowerBound(blocks.point(i), 2, 0);
+  }
+}
+
+ceres::Solver::Options solver_options(const BundleAdjustmentOptions& options) {
+  ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_SCHUR;
   solver.num_threads = 1;
-  solver.max_num_iterations = options.most_iterations;
-  solver.function_tolerance = options.settled;
-  solver.initial_trust_region_radius = options.first_trust;
+  solver.max_num_iterations = options.max_iterations;
+  solver.function_tolerance = options.function_tolerance;
+  solver.initial_trust_region_radius = options.initial_trust_region_radius;
   solver.logging_type = ceres::SILENT;
+  return solver;
+}
+
+}  // namespace
+
+BundleAdjustmentSummary adjust_bundle(Bundle& bundle, const BundleAdjustmentOptions& options, const Job& job) {
+  job.check();
+  static std::once_flag quiet;  // Ceres tells of every step that it rejects, on stderr; the summary is enough
+  std::call_once(quiet, [] { FLAGS_minloglevel = google::GLOG_FATAL; });
+  if (bundle.observations.empty()) return {};
+  ParameterBlocks blocks = parameter_blocks(bundle);
+  Losses losses(options);
+  ceres::Problem::Options setup;
+  setup.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  RotationUpdate callback(blocks);
+  setup.evaluation_callback = &callback;
+  ceres::Problem problem(setup);
+  add_residuals(bundle, options, blocks, losses, problem);
+  fix_gauge(bundle.cameras.size(), options.model, blocks, problem);
+  add_lens_prior(bundle, options, blocks, problem);
+
+  if (options.enforce_cheirality && options.model != MotionModel::rotation)
+    keep_points_in_front(bundle.points.size(), blocks, problem);
+
+  ceres::Solver::Options solver = solver_options(options);
+  solver.linear_solver_ordering.reset(elimination_order(bundle, problem, blocks));
   StopCheck stop(job);
   solver.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   job.check();
-  take(blocks, options, bundle);
+  write_back(blocks, options, bundle);
   return {summary.final_cost, static_cast<int>(summary.iterations.size()), summary.IsSolutionUsable()};
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

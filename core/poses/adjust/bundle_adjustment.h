@@ -14,36 +14,36 @@
 #include "core/base/job.h"
 #include "core/poses/tracks/bundle.h"
 
-namespace ldp {
+namespace ldp::sfm {
 
 struct FocalPrior {
   double focal_px = 0;
   double log_sigma = 0.2;
 };
 
-enum class Model { rotation, spherical, free };
+enum class MotionModel { rotation, spherical, free };
 
-struct BundleOptions {
-  Model model = Model::free;
+struct BundleAdjustmentOptions {
+  MotionModel model = MotionModel::free;
   bool refine_focal = true;
   bool refine_distortion = false;
   std::optional<FocalPrior> focal_prior;
-  double loss_px = 1;         // Cauchy scale, at weight 1
-  double arc_sigma = 0.2;     // of a free centre about its place on the sphere, radii
-  double pair_weight = 1;     // of points that only two cameras see, against those that a third confirms
-  bool in_front = false;      // points stay on this side of infinity (else a short arc may turn inside out)
-  bool near_the_end = false;  // steps may be bold: elsewhere they could end in another valley
-  int most_iterations = 50;
-  double settled = 1e-6;     // share by which the last step lowered the cost
-  double first_trust = 1e4;  // Ceres' trust region at first: the wider, the freer what data hold loosely
+  double loss_px = 1;               // Cauchy scale, at weight 1
+  double arc_sigma = 0.2;           // of a free centre about its place on the sphere, radii
+  double two_view_weight = 1;       // of points that only two cameras see, against those that a third confirms
+  bool enforce_cheirality = false;  // points stay on this side of infinity (else a short arc may turn inside out)
+  bool correct_curvature = false;   // of the loss: longer steps, near a minimum only
+  int max_iterations = 50;
+  double function_tolerance = 1e-6;          // share by which the last step lowered the cost
+  double initial_trust_region_radius = 1e4;  // of Ceres: the wider, the freer what data constrain little
 };
 
-struct BundleSummary {
+struct BundleAdjustmentSummary {
   double cost = 0;  // half the sum of robust weighted squared residuals, pixels^2
   int iterations = 0;
   bool usable = false;
 };
 
-BundleSummary adjust(Bundle& bundle, const BundleOptions& options, const Job& job);
+BundleAdjustmentSummary adjust_bundle(Bundle& bundle, const BundleAdjustmentOptions& options, const Job& job);
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -1,15 +1,16 @@
-// Whether a lens bends lines. Focal length and distortion can stand in for each other in a narrow view, and a few
-// things that move are always explained a little better by a bent lens; so distortion is freed only where that explains
-// clearly more.
+// Choice of the distortion model: whether a lens has any. Focal length and distortion can stand in for each other in a
+// narrow view, and a few things that move are always explained a little better by a lens that distorts; so distortion
+// is freed only where that explains clearly more.
 #pragma once
 
 #include <optional>
 
 #include "core/poses/adjust/bundle_adjustment.h"
 
-namespace ldp {
+namespace ldp::sfm {
 
 // The bundle (adjusted with `options`, at that cost) adjusted with distortion free, if that lowers the cost clearly.
-std::optional<Bundle> bent_lens(const Bundle& bundle, BundleOptions options, double cost, const Job& job);
+std::optional<Bundle> adjust_with_distortion(const Bundle& bundle, BundleAdjustmentOptions options, double cost,
+                                             const Job& job);
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -7,12 +7,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/poses/adjust/adjust_tuning.h"
 #include "core/poses/adjust/bundle_adjustment.h"
 
-namespace ldp {
-
-constexpr double kLongestLog = 14;  // of a focal length in pixels: beyond, a step went astray
-constexpr double kBehind_px = 1e3;  // residual of a point behind the camera
+namespace ldp::sfm {
 
 template <int kColumns>
 using Jacobian = Eigen::Map<Eigen::Matrix<double, 2, kColumns, Eigen::RowMajor>>;
@@ -23,16 +21,16 @@ inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return m;
 }
 
-// Cameras are parametrised by how they have turned since the start: g = axis * tan(angle / 2), that of the quaternion
-// (1, g).
-struct Turned {
-  explicit Turned(const Eigen::Matrix3d& camera_from_world_at_start)
+// Cameras are parametrised by their rotation since the start, as Rodrigues parameters: g = axis * tan(angle / 2), that
+// of the quaternion (1, g).
+struct CameraRotation {
+  explicit CameraRotation(const Eigen::Matrix3d& camera_from_world_at_start)
       : at_start(camera_from_world_at_start), camera_from_world(at_start) {}
 
   Eigen::Matrix3d at_start, camera_from_world;
   Eigen::Matrix3d by_change = 2 * Eigen::Matrix3d::Identity();  // the small turn on top of that of g when g changes
 
-  void turn(const Eigen::Vector3d& g) {
+  void update(const Eigen::Vector3d& g) {
     const Eigen::Matrix3d m = cross_matrix(g);
     const double scale = 2 / (1 + g.squaredNorm());
     by_change = scale * (Eigen::Matrix3d::Identity() + m);
@@ -45,21 +43,21 @@ struct DirectionFrame {
   Eigen::Vector3d base, e1, e2;
 };
 
-// Cauchy's loss, weight * scale^2 * log(1 + x) with x the squared residual over scale^2. Ceres scales residuals and
-// their derivatives by the slope of a loss like this and leaves its curvature out: steps are about half as long as they
-// should be. Here residuals come scaled already, with as much of the curvature as keeps steps safe: their gradient is
-// that of the loss, and along the residual the square of their derivative is less than what Ceres makes it by what the
-// curvature leaves of it, but not below that share; the loss only tells what they cost. With a share of 1 it is what
-// Ceres does.
-class CauchySteps : public ceres::LossFunction {
+// Cauchy's loss with a correction of second order (Triggs et al. 2000), weight * scale^2 * log(1 + x) with x the
+// squared residual over scale^2. Ceres scales residuals and their derivatives by the slope of a loss like this and
+// leaves its curvature out: steps are about half as long as they should be. Here residuals come scaled already, with as
+// much of the curvature as keeps steps safe: their gradient is that of the loss, and along the residual the square of
+// their derivative is less than what Ceres makes it by what the curvature leaves of it, but not below that share; the
+// loss only tells what they cost. With a share of 1 it is what Ceres does.
+class CorrectedCauchyLoss : public ceres::LossFunction {
  public:
-  CauchySteps(double scale, double weight, double least_share)
-      : squared_(scale * scale), weight_(weight), least_share_(least_share) {}
+  CorrectedCauchyLoss(double scale, double weight, double min_share)
+      : squared_(scale * scale), weight_(weight), min_share_(min_share) {}
 
   // Scales the residual; gives what its derivatives are to be multiplied with.
   Eigen::Matrix2d apply(Eigen::Ref<Eigen::Vector2d> residual) const {
     const double squared = residual.squaredNorm(), x = squared / squared_, slope = std::sqrt(weight_ / (1 + x));
-    const double shorter = std::sqrt(std::max((1 - x) / (1 + x), least_share_));
+    const double shorter = std::sqrt(std::max((1 - x) / (1 + x), min_share_));
     Eigen::Matrix2d by = slope * Eigen::Matrix2d::Identity();
     if (squared > 0) by -= slope * (1 - shorter) / squared * residual * residual.transpose();
     residual *= slope / shorter;
@@ -68,29 +66,28 @@ class CauchySteps : public ceres::LossFunction {
 
   void Evaluate(double scaled, double rho[3]) const override {
     const double y = scaled / (squared_ * weight_);
-    const double x = y < (1 - least_share_) / (2 * least_share_)
-                         ? y / (1 + y)
-                         : least_share_ * y / std::max(1 - least_share_ * y, 1e-12);
+    const double x =
+        y < (1 - min_share_) / (2 * min_share_) ? y / (1 + y) : min_share_ * y / std::max(1 - min_share_ * y, 1e-12);
     rho[0] = weight_ * squared_ * std::log1p(x);
     rho[1] = 1;
     rho[2] = 0;
   }
 
  private:
-  double squared_, weight_, least_share_;
+  double squared_, weight_, min_share_;
 };
 
-// All blocks of the free model but points have so many parameters, of the others three: Ceres has an elimination for
-// each that is twice as fast as that for blocks that differ. The lens has three of its own; the others do nothing.
+// All blocks of the free model but points have so many parameters, of the others three: Ceres has a faster elimination
+// for blocks of one size. The lens has three of its own; the others do nothing.
 constexpr int kFreeBlock = 6;
 
 // Reprojection of one point in one camera. Blocks: camera (turn, and centre if free), lens (log focal, k1, k2), point
 // (a, b, and inverse distance unless the model is rotation).
-template <Model kModel>
+template <MotionModel kModel>
 class Reprojection : public ceres::CostFunction {
  public:
-  Reprojection(const BundleObservation& seen, const Turned& camera, const DirectionFrame& frame,
-               const CauchySteps& loss)
+  Reprojection(const BundleObservation& seen, const CameraRotation& camera, const DirectionFrame& frame,
+               const CorrectedCauchyLoss& loss)
       : position_px_(seen.position_px), weight_(seen.weight), camera_(camera), frame_(frame), loss_(loss) {
     set_num_residuals(2);
     *mutable_parameter_block_sizes() = {kBlock, kBlock, kPointSize};
@@ -98,14 +95,14 @@ class Reprojection : public ceres::CostFunction {
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
     const double *camera = blocks[0], *lens = blocks[1], *point = blocks[2];
-    const double w = kModel == Model::rotation ? 0 : point[kPointSize - 1];
+    const double w = kModel == MotionModel::rotation ? 0 : point[kPointSize - 1];
     const Eigen::Matrix3d& r = camera_.camera_from_world;
     const Eigen::Vector3d direction = frame_.base + point[0] * frame_.e1 + point[1] * frame_.e2;
     const Eigen::Vector3d centre =
         kFree ? Eigen::Vector3d(Eigen::Map<const Eigen::Vector3d>(camera + 3)) : Eigen::Vector3d::Zero();
     const Eigen::Vector3d turned = r * (direction - w * centre);  // what a turn of the camera turns
     const Eigen::Vector3d p = kFree ? turned : Eigen::Vector3d(turned - w * Eigen::Vector3d::UnitZ());
-    if (!(p.z() > kLeastZ) || !(std::abs(lens[0]) < kLongestLog)) return behind(residuals, jacobians);
+    if (!(p.z() > kMinDepth) || !(std::abs(lens[0]) < kMaxLogFocal)) return behind(residuals, jacobians);
 
     const Eigen::Vector2d n = p.head<2>() / p.z();
     const Distorted d = distort(n, lens[1], lens[2]);
@@ -134,7 +131,7 @@ class Reprojection : public ceres::CostFunction {
       p_by_point.col(0) = r * frame_.e1;
       p_by_point.col(1) = r * frame_.e2;
       if (kFree) p_by_point.col(kPointSize - 1) = -r * centre;
-      if (kModel == Model::spherical) p_by_point.col(kPointSize - 1) = -Eigen::Vector3d::UnitZ();
+      if (kModel == MotionModel::spherical) p_by_point.col(kPointSize - 1) = -Eigen::Vector3d::UnitZ();
       Jacobian<kPointSize> by_point(jacobians[2]);
       by_point = by_p * p_by_point;
     }
@@ -144,7 +141,7 @@ class Reprojection : public ceres::CostFunction {
  private:
   bool behind(double* residuals, double** jacobians) const {
     Eigen::Map<Eigen::Vector2d> residual(residuals);
-    residual.setConstant(kBehind_px);
+    residual.setConstant(kBehindResidual_px);
     loss_.apply(residual);
     for (size_t i = 0; jacobians && i < parameter_block_sizes().size(); ++i) {
       if (jacobians[i]) std::fill_n(jacobians[i], 2 * parameter_block_sizes()[i], 0.0);
@@ -152,14 +149,14 @@ class Reprojection : public ceres::CostFunction {
     return true;
   }
 
-  static constexpr bool kFree = kModel == Model::free;
-  static constexpr int kBlock = kFree ? kFreeBlock : 3, kPointSize = kModel == Model::rotation ? 2 : 3;
+  static constexpr bool kFree = kModel == MotionModel::free;
+  static constexpr int kBlock = kFree ? kFreeBlock : 3, kPointSize = kModel == MotionModel::rotation ? 2 : 3;
 
   Eigen::Vector2d position_px_;
   double weight_;
-  const Turned& camera_;
+  const CameraRotation& camera_;
   const DirectionFrame& frame_;
-  const CauchySteps& loss_;
+  const CorrectedCauchyLoss& loss_;
 };
 
 // A centre's place in its own camera is e_z, give or take sigma.
@@ -178,4 +175,4 @@ struct ArcPrior {
   }
 };
 
-}  // namespace ldp
+}  // namespace ldp::sfm

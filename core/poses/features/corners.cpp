@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ldp {
-namespace {
+#include "core/poses/features/feature_tuning.h"
 
-constexpr int kWindow = 3;  // gradients of 7 x 7 pixels say what a place is
-constexpr int kReach = 3;   // pixels around, of which a corner is the strongest
+namespace ldp::sfm {
+namespace {
 
 struct Gradients {
   Plane<float> xx, xy, yy;  // products; sums of 49 are whole numbers of quarters below 2^22, hence exact in any order
@@ -35,22 +34,22 @@ void sum_windows(Plane<float>& samples) {
   for (int y = 0; y < h; ++y) {
     const float* from = samples.row(y);
     float* to = rows.row(y);
-    for (int i = -kWindow; i <= kWindow; ++i) {
-      for (int x = kWindow; x + kWindow < w; ++x) to[x] += from[x + i];
+    for (int i = -kCornerWindowRadius_px; i <= kCornerWindowRadius_px; ++i) {
+      for (int x = kCornerWindowRadius_px; x + kCornerWindowRadius_px < w; ++x) to[x] += from[x + i];
     }
   }
   for (int y = 0; y < h; ++y) {
     float* to = samples.row(y);
     std::fill(to, to + w, 0.0F);
-    if (y < kWindow || y + kWindow >= h) continue;
-    for (int i = -kWindow; i <= kWindow; ++i) {
+    if (y < kCornerWindowRadius_px || y + kCornerWindowRadius_px >= h) continue;
+    for (int i = -kCornerWindowRadius_px; i <= kCornerWindowRadius_px; ++i) {
       const float* from = rows.row(y + i);
       for (int x = 0; x < w; ++x) to[x] += from[x];
     }
   }
 }
 
-Plane<float> strengths(const GreyImage& picture) {
+Plane<float> corner_strengths(const GreyImage& picture) {
   Gradients g = gradient_products(picture);
   for (Plane<float>* sums : {&g.xx, &g.xy, &g.yy}) sum_windows(*sums);
   Plane<float> strength = std::move(g.xx);
@@ -62,10 +61,10 @@ Plane<float> strengths(const GreyImage& picture) {
 }
 
 // Of equals, the first in the order of rows.
-bool strongest_around(const Plane<float>& strength, int x, int y) {
+bool is_local_maximum(const Plane<float>& strength, int x, int y) {
   const float here = strength.at(x, y);
-  for (int v = -kReach; v <= kReach; ++v) {
-    for (int u = -kReach; u <= kReach; ++u) {
+  for (int v = -kCornerSuppressionRadius_px; v <= kCornerSuppressionRadius_px; ++v) {
+    for (int u = -kCornerSuppressionRadius_px; u <= kCornerSuppressionRadius_px; ++u) {
       const float there = strength.at(x + u, y + v);
       if (there > here || (there == here && (v < 0 || (v == 0 && u < 0)))) return false;
     }
@@ -76,13 +75,13 @@ bool strongest_around(const Plane<float>& strength, int x, int y) {
 }  // namespace
 
 std::vector<Corner> find_corners(const GreyImage& picture, int margin) {
-  const Plane<float> strength = strengths(picture);
-  const int border = std::max(margin, kReach);
+  const Plane<float> strength = corner_strengths(picture);
+  const int border = std::max(margin, kCornerSuppressionRadius_px);
   std::vector<Corner> corners;
   for (int y = border; y + border < strength.height; ++y) {
     for (int x = border; x + border < strength.width; ++x) {
       const float s = strength.at(x, y);
-      if (s > 0 && strongest_around(strength, x, y)) corners.push_back({s, x, y});
+      if (s > 0 && is_local_maximum(strength, x, y)) corners.push_back({s, x, y});
     }
   }
   std::stable_sort(corners.begin(), corners.end(),
@@ -90,4 +89,4 @@ std::vector<Corner> find_corners(const GreyImage& picture, int margin) {
   return corners;
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -6,7 +6,7 @@
 
 #include "core/base/plane.h"
 
-namespace ldp {
+namespace ldp::sfm {
 
 struct Corner {
   float strength = 0;  // smaller eigenvalue of the sum of gradients' outer products, (grey levels per pixel)^2
@@ -16,4 +16,4 @@ struct Corner {
 // Local maxima of strength, the strongest first, at least `margin` pixels from the border.
 std::vector<Corner> find_corners(const GreyImage& picture, int margin);
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -1,11 +1,11 @@
-// The inner loops of matching descriptors: integers only, one loop nest each.
+// Descriptor distance: the inner loops of matching descriptors, integers only, one loop nest each.
 //
 // Compiled once for the base instruction set and, on x86-64, once for AVX2; both give the same numbers.
 #pragma once
 
 #include <cstdint>
 
-namespace ldp::likeness {
+namespace ldp::sfm::descriptor_distance {
 
 constexpr int kLength = 128;  // numbers of a descriptor
 
@@ -20,12 +20,12 @@ struct Kernels {
   void (*distances)(const int16_t* one, int squared, const int16_t* others, const int* squares, int count, int* out);
 
   // Descriptor `candidate` is at these distances from each.
-  void (*offer)(const int* distances, int candidate, int count, const NearestRow& nearest);
+  void (*update_nearest)(const int* distances, int candidate, int count, const NearestRow& nearest);
 
-  int (*least)(const int* distances, int count);  // count > 0
+  int (*minimum)(const int* distances, int count);  // count > 0
 };
 
 const Kernels& best();   // for the processor at hand
 const Kernels& plain();  // for the base instruction set; the same numbers
 
-}  // namespace ldp::likeness
+}  // namespace ldp::sfm::descriptor_distance

@@ -1,5 +1,5 @@
-#define LDP_LIKENESS base
+#define LDP_DESCRIPTOR_DISTANCE base
 #include "core/poses/features/descriptor_distance.inc"
 
-#define LDP_DISPATCHED ldp::likeness
+#define LDP_DISPATCHED ldp::sfm::descriptor_distance
 #include "core/base/kernel_dispatch.inc"

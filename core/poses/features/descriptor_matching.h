@@ -1,13 +1,13 @@
-// Descriptor matching, which feature points of two photographs look alike: nearest neighbours that are clearly better
-// than the second best (Lowe's ratio test) and mutual. Exact integer arithmetic. What they look like is all that is
-// compared here; geometry is checked by whoever knows the cameras.
+// Matches by descriptor distance: mutual nearest neighbours among the feature points of two photographs that pass
+// Lowe's ratio test against the second best. Exact integer arithmetic. What they look like is all that is compared
+// here; geometry is checked by whoever knows the cameras.
 #pragma once
 
 #include <vector>
 
 #include "core/poses/features/features.h"
 
-namespace ldp {
+namespace ldp::sfm {
 
 struct Match {
   int a = 0, b = 0;  // indices of the points in the two photographs
@@ -16,10 +16,10 @@ struct Match {
 };
 
 struct MatchOptions {
-  double ratio = 0.82;  // of the distances to the best and the second best
-  int most = 0;         // only the first so many points of each photograph; 0 = all
+  double ratio = 0.82;   // of the distances to the best and the second best
+  int max_features = 0;  // only the first so many points of each photograph; 0 = all
 };
 
 std::vector<Match> match_features(const Features& a, const Features& b, const MatchOptions& options);
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -7,15 +7,13 @@
 #include <utility>
 
 #include "core/photos/resize.h"
+#include "core/poses/features/feature_tuning.h"
 #include "core/poses/features/sift.h"
 
-namespace ldp {
+namespace ldp::sfm {
 namespace {
 
 static_assert(std::tuple_size_v<Sift::Histograms> == kDescriptorLength);
-constexpr int kBuckets = 8;         // the picture is dealt out in kBuckets x kBuckets cells
-constexpr double kContrast = 1.02;  // grey levels; lower than Lowe's 3.4: skies and walls have faint texture, and it
-                                    // matches
 
 GreyImage scaled(GreyImage grey, double scale) {
   if (scale >= 1) return grey;
@@ -23,40 +21,42 @@ GreyImage scaled(GreyImage grey, double scale) {
   return resize_by_area(grey, size(grey.width), size(grey.height));
 }
 
-// Strongest first, but no cell of the picture takes more than twice its share as long as others have some to offer.
-std::vector<Keypoint> spread_out(const Sift& sift, const GreyImage& picture, int most) {
+// Bucketing: strongest first, but no cell of the picture takes more than twice its share as long as others have some to
+// offer.
+std::vector<Keypoint> select_keypoints(const Sift& sift, const GreyImage& picture, int most) {
   std::vector<Keypoint> points = sift.extrema();
   std::stable_sort(points.begin(), points.end(),
                    [](const Keypoint& p, const Keypoint& q) { return p.response > q.response; });
-  std::vector<int> taken(kBuckets * kBuckets, 0);
+  std::vector<int> taken(kKeypointGridCells * kKeypointGridCells, 0);
   std::vector<Keypoint> kept;
   std::vector<std::pair<Keypoint, size_t>> spare;  // extrema, and how many of their directions were taken
-  const int share = std::max(1, 2 * most / (kBuckets * kBuckets));
+  const int share = std::max(1, 2 * most / (kKeypointGridCells * kKeypointGridCells));
   const auto bucket = [](double place, int size) {
-    return std::clamp(static_cast<int>(place * kBuckets / size), 0, kBuckets - 1);
+    return std::clamp(static_cast<int>(place * kKeypointGridCells / size), 0, kKeypointGridCells - 1);
   };
   const auto enough = [&] { return kept.size() >= static_cast<size_t>(most); };
   for (size_t i = 0; i < points.size() && !enough(); ++i) {
     const Keypoint& p = points[i];
     const int column = bucket(p.in_picture(p.x), picture.width), row = bucket(p.in_picture(p.y), picture.height);
-    int& count = taken[static_cast<size_t>(row * kBuckets + column)];
-    size_t turns = 0;
+    int& count = taken[static_cast<size_t>(row * kKeypointGridCells + column)];
+    size_t taken_orientations = 0;
     if (count < share) {
-      const std::vector<Keypoint> turned = sift.turned(p);
-      for (; turns < turned.size() && count < share; ++turns, ++count) kept.push_back(turned[turns]);
+      const std::vector<Keypoint> oriented = sift.oriented(p);
+      for (; taken_orientations < oriented.size() && count < share; ++taken_orientations, ++count)
+        kept.push_back(oriented[taken_orientations]);
     }
-    if (count >= share) spare.emplace_back(p, turns);
+    if (count >= share) spare.emplace_back(p, taken_orientations);
   }
   for (size_t i = 0; i < spare.size() && !enough(); ++i) {
-    const std::vector<Keypoint> turned = sift.turned(spare[i].first);
-    kept.insert(kept.end(), turned.begin() + static_cast<std::ptrdiff_t>(spare[i].second), turned.end());
+    const std::vector<Keypoint> oriented = sift.oriented(spare[i].first);
+    kept.insert(kept.end(), oriented.begin() + static_cast<std::ptrdiff_t>(spare[i].second), oriented.end());
   }
   if (enough()) kept.resize(static_cast<size_t>(most));
   return kept;
 }
 
 // RootSIFT: square roots of the histogram normalised to sum 1, so that Euclidean distance compares by Hellinger's.
-void append_rooted(const Sift::Histograms& histograms, std::vector<int16_t>& descriptors) {
+void append_root_sift(const Sift::Histograms& histograms, std::vector<int16_t>& descriptors) {
   const double sum = std::max(1, std::accumulate(histograms.begin(), histograms.end(), 0));
   for (const uint8_t h : histograms) {
     descriptors.push_back(static_cast<int16_t>(kDescriptorNorm * std::sqrt(h / sum) + 0.5));
@@ -78,17 +78,17 @@ GreyPhoto make_grey_photo(const RgbImage& image, int most_px) {
 
 Features detect_features(const GreyPhoto& image, const FeatureOptions& options) {
   const GreyImage grey = scaled(image.grey, options.longer_side_px / std::max(image.grey.width, image.grey.height));
-  const Sift sift(grey, kContrast);
+  const Sift sift(grey, kMinKeypointContrast);
   Features features;
   features.width = image.width;
   features.height = image.height;
   const double scale_x = static_cast<double>(image.width) / grey.width,
                scale_y = static_cast<double>(image.height) / grey.height;
-  for (const Keypoint& p : spread_out(sift, grey, options.most)) {
+  for (const Keypoint& p : select_keypoints(sift, grey, options.max_features)) {
     features.positions.emplace_back(p.in_picture(p.x) * scale_x, p.in_picture(p.y) * scale_y);
-    append_rooted(sift.describe(p), features.descriptors);
+    append_root_sift(sift.describe(p), features.descriptors);
   }
   return features;
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

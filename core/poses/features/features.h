@@ -1,8 +1,8 @@
 // Feature points of one photograph: where they are, and what they look like. Scale-invariant (SIFT, Lowe 2004) on grey
 // scaled down, because it is the coarse points that survive a change of view, and because time and memory go by area.
 //
-// Takes a colour image; gives at most `most` points, strongest first but spread over the picture. Descriptors are
-// RootSIFT (Arandjelovic and Zisserman 2012) rounded to integers, so that matching is exact.
+// Takes a colour image; gives at most `max_features` points, strongest first but spread over the picture. Descriptors
+// are RootSIFT (Arandjelovic and Zisserman 2012) rounded to integers, so that matching is exact.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 
 #include "core/base/plane.h"
 
-namespace ldp {
+namespace ldp::sfm {
 
 constexpr int kDescriptorLength = 128;
 
@@ -21,7 +21,7 @@ struct Features {
   std::vector<int16_t> descriptors;        // kDescriptorLength per point, of Euclidean length about kDescriptorNorm
 
   int size() const { return static_cast<int>(positions.size()); }
-  Eigen::Vector2d from_middle(int i) const {
+  Eigen::Vector2d centred(int i) const {
     return positions[static_cast<size_t>(i)] - 0.5 * Eigen::Vector2d(width, height);
   }
   const int16_t* descriptor(int i) const { return descriptors.data() + static_cast<size_t>(i) * kDescriptorLength; }
@@ -30,7 +30,7 @@ struct Features {
 constexpr int kDescriptorNorm = 512;
 
 struct FeatureOptions {
-  int most = 2000;              // points kept
+  int max_features = 2000;      // points kept
   double longer_side_px = 480;  // the photo is scaled down to about this before detection (which works at twice it)
 };
 
@@ -45,4 +45,4 @@ GreyPhoto make_grey_photo(const RgbImage& image, int most_px);
 
 Features detect_features(const GreyPhoto& picture, const FeatureOptions& options);
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -10,13 +10,9 @@
 #include <optional>
 
 #include "core/base/plane.h"
+#include "core/poses/features/feature_tuning.h"
 
-namespace ldp {
-
-constexpr int kAlignRounds = 12;      // of alignment per level
-constexpr double kAligned_px = 0.02;  // pixels; smaller steps end it
-constexpr double kLeastContrast = 3;  // grey levels, standard deviation
-constexpr double kFlattest = 0.15;    // contrast gradients of the weaker direction, against the stronger, squared
+namespace ldp::sfm {
 
 constexpr int side(int radius) { return 2 * radius + 1; }
 constexpr int samples(int radius) { return side(radius) * side(radius); }
@@ -59,7 +55,7 @@ bool normalise(std::array<float, kSamples>& patch, float* variance = nullptr) {
     s -= sum / kCount;
     squares += s * s;
   }
-  if (squares < kLeastContrast * kLeastContrast * kCount) return false;
+  if (squares < kMinPatchContrast * kMinPatchContrast * kCount) return false;
   if (variance) *variance = squares / kCount;
   const float scale = 1 / std::sqrt(squares);
   for (float& s : patch) s *= scale;
@@ -93,7 +89,7 @@ std::optional<Template<kRadius>> make_template(const Patch<kRadius>& patch) {
     }
   }
   const double trace = h.trace(), determinant = h.determinant();
-  if (determinant < kFlattest * (1 - kFlattest) * 0.25 * trace * trace) return std::nullopt;
+  if (determinant < kMinGradientRatio * (1 - kMinGradientRatio) * 0.25 * trace * trace) return std::nullopt;
   t.inverse = h.inverse();
   return t;
 }
@@ -112,7 +108,7 @@ struct Aligned {
   double correlation = 0;
   float variance = 0;  // of the patch, grey levels squared
 
-  double unlike() const { return (1 - correlation) * static_cast<double>(variance); }
+  double residual_variance() const { return (1 - correlation) * static_cast<double>(variance); }
 };
 
 // What is left of the difference of two patches of length 1, taken for noise, moves the position by so much, pixels of
@@ -127,7 +123,7 @@ template <int kRadius>
 std::optional<Aligned<kRadius>> align(const Template<kRadius>& t, const GreyImage& image,
                                       const Eigen::Vector2d& position, const Eigen::Matrix2d& warp) {
   Aligned<kRadius> there{position, {}};
-  for (int round = 0; round < kAlignRounds; ++round) {
+  for (int round = 0; round < kMaxAlignmentIterations; ++round) {
     Patch<kRadius>& patch = there.patch;
     if (!sample<kRadius>(image, there.position, warp, patch) || !normalise(patch, &there.variance)) return std::nullopt;
     float gx = 0, gy = 0, product = 0;
@@ -139,11 +135,11 @@ std::optional<Aligned<kRadius>> align(const Template<kRadius>& t, const GreyImag
     }
     there.correlation = static_cast<double>(product);
     const Eigen::Vector2d step = warp * (t.inverse * Eigen::Vector2d(static_cast<double>(gx), static_cast<double>(gy)));
-    if (step.norm() > 3) return std::nullopt;
+    if (step.norm() > kMaxAlignmentStep_px) return std::nullopt;
     there.position += step;
-    if (step.norm() < kAligned_px) return there;
+    if (step.norm() < kAlignmentConverged_px) return there;
   }
   return std::nullopt;
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

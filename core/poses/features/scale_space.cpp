@@ -6,19 +6,16 @@
 #include <utility>
 
 #include "core/base/exact_math.h"
+#include "core/poses/features/feature_tuning.h"
 #include "core/poses/features/sift_kernels.h"
 
-namespace ldp {
+namespace ldp::sfm {
 namespace {
 
 constexpr int kLevels = Sift::kLevels;
-constexpr double kSigma = 1.6;         // of an octave's first level, pixels of the octave
-constexpr double kPictureSigma = 0.5;  // blur that a picture is taken to have
-constexpr double kEdge = 10;           // ratio of curvatures at which an extremum is an edge, which slides along itself
-constexpr int kSteps = 5;              // of an extremum from pixel to pixel
 
 // Of a level, pixels of its octave.
-double sigma_of(double level) { return kSigma * exact_exp(level / kLevels * std::numbers::ln2); }
+double sigma_of(double level) { return kOctaveSigma_px * exact_exp(level / kLevels * std::numbers::ln2); }
 
 // Half of a kernel of sum 1, from its middle on.
 std::vector<float> half_kernel(double sigma) {
@@ -119,11 +116,12 @@ std::vector<float> gaussian(int count, double sigma) {
   return weights;
 }
 
-Plane<float> first_level(const GreyImage& picture) {
-  return blurred(doubled(picture), std::sqrt(kSigma * kSigma - 4 * kPictureSigma * kPictureSigma));
+Plane<float> base_level(const GreyImage& picture) {
+  return blurred(doubled(picture),
+                 std::sqrt(kOctaveSigma_px * kOctaveSigma_px - 4 * kAssumedBlur_px * kAssumedBlur_px));
 }
 
-Plane<float> every_second(const Plane<float>& image) {
+Plane<float> decimated(const Plane<float>& image) {
   Plane<float> result(image.width / 2, image.height / 2);
   for (int y = 0; y < result.height; ++y) {
     const float* const from = image.row(2 * y);
@@ -151,7 +149,7 @@ std::vector<Keypoint> Octave::extrema(double contrast) const {
       rows.mark_extrema(level, static_cast<float>(0.5 * contrast), marks.data());
       const auto end = marks.end() - kBorder;
       for (auto mark = std::find(marks.begin() + kBorder, end, 1); mark != end; mark = std::find(mark + 1, end, 1)) {
-        const auto keypoint = placed(level, static_cast<int>(mark - marks.begin()), y, contrast);
+        const auto keypoint = localised(level, static_cast<int>(mark - marks.begin()), y, contrast);
         if (keypoint) found[static_cast<size_t>(level) - 1].push_back(*keypoint);
       }
     }
@@ -161,8 +159,8 @@ std::vector<Keypoint> Octave::extrema(double contrast) const {
 }
 
 // Where the parabola through the neighbours is extreme; none where that is faint, an edge or runs away.
-std::optional<Keypoint> Octave::placed(int level, int x, int y, double contrast) const {
-  for (int step = 0; step < kSteps; ++step) {
+std::optional<Keypoint> Octave::localised(int level, int x, int y, double contrast) const {
+  for (int step = 0; step < kMaxLocalisationSteps; ++step) {
     const auto d = [&](int dl, int dx, int dy) { return double{difference(level + dl, x + dx, y + dy)}; };
     const double middle = d(0, 0, 0);
     const double gx = 0.5 * (d(0, 1, 0) - d(0, -1, 0)), gy = 0.5 * (d(0, 0, 1) - d(0, 0, -1)),
@@ -182,7 +180,8 @@ std::optional<Keypoint> Octave::placed(int level, int x, int y, double contrast)
     if (std::max({std::abs(to_x), std::abs(to_y), std::abs(to_l)}) < 0.5) {
       const double response = std::abs(middle + 0.5 * (gx * to_x + gy * to_y + gl * to_l));
       const double trace = xx + yy, flat = xx * yy - xy * xy;
-      if (response < contrast || flat <= 0 || trace * trace * kEdge >= (kEdge + 1) * (kEdge + 1) * flat)
+      if (response < contrast || flat <= 0 ||
+          trace * trace * kMaxCurvatureRatio >= (kMaxCurvatureRatio + 1) * (kMaxCurvatureRatio + 1) * flat)
         return std::nullopt;
       return Keypoint{x + to_x, y + to_y, sigma_of(level + to_l), 0, level, response, 0};
     }
@@ -196,4 +195,4 @@ std::optional<Keypoint> Octave::placed(int level, int x, int y, double contrast)
   return std::nullopt;
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

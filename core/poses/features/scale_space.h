@@ -9,15 +9,15 @@
 #include "core/base/plane.h"
 #include "core/poses/features/sift.h"
 
-namespace ldp {
+namespace ldp::sfm {
 
 // Half of a Gaussian: exp(-d^2 / 2 sigma^2) for d = 0, 1, ...
 std::vector<float> gaussian(int count, double sigma);
 
 // What an octave begins with: the first one with a picture of twice the size, the others with every second pixel of a
 // level of the one before.
-Plane<float> first_level(const GreyImage& picture);
-Plane<float> every_second(const Plane<float>& image);
+Plane<float> base_level(const GreyImage& picture);
+Plane<float> decimated(const Plane<float>& image);
 
 class Octave {
  public:
@@ -39,9 +39,9 @@ class Octave {
     const size_t i = static_cast<size_t>(level), at = blur_[0].index(x, y);
     return blur_[i + 1].samples[at] - blur_[i].samples[at];
   }
-  std::optional<Keypoint> placed(int level, int x, int y, double contrast) const;
+  std::optional<Keypoint> localised(int level, int x, int y, double contrast) const;
 
   std::array<Plane<float>, kBlurs> blur_;
 };
 
-}  // namespace ldp
+}  // namespace ldp::sfm

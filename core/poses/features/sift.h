@@ -3,9 +3,9 @@
 // Takes a grey picture; gives the points where differences of Gaussians are extreme over place and scale, the
 // directions in which brightness changes most around them, and histograms of gradients that describe them.
 //
-// Here and not from a library: libraries multiply and add in one rounding where a processor can. Differences of 1e-7
-// become other keypoints and matches, and poses that differ by 5e-4 of the radius between two machines. Here every
-// operation is one of IEEE 754 in a fixed order, so that features are the same bytes everywhere.
+// Here and not from a library: libraries multiply and add in one rounding where a processor can, and the smallest
+// differences become other keypoints, matches and poses. Here every operation is one of IEEE 754 in a fixed order, so
+// that features are the same bytes everywhere.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 #include "core/base/plane.h"
 
-namespace ldp {
+namespace ldp::sfm {
 
 struct Keypoint {
   double x = 0, y = 0, sigma = 0;  // place and scale in pixels of its octave, whose centres are at whole numbers
@@ -30,8 +30,8 @@ struct Keypoint {
 class Sift {
  public:
   static constexpr int kLevels = 3;  // per octave
-  static constexpr int kCells = 4, kDirections = 8;
-  using Histograms = std::array<uint8_t, kCells * kCells * kDirections>;
+  static constexpr int kCells = 4, kOrientations = 8;
+  using Histograms = std::array<uint8_t, kCells * kCells * kOrientations>;
 
   // Extrema below `contrast` grey levels are left out.
   Sift(const GreyImage& picture, double contrast);
@@ -40,7 +40,7 @@ class Sift {
   const std::vector<Keypoint>& extrema() const { return extrema_; }
 
   // An extremum, once for each of its directions.
-  std::vector<Keypoint> turned(const Keypoint& extremum) const;
+  std::vector<Keypoint> oriented(const Keypoint& extremum) const;
 
   Histograms describe(const Keypoint& keypoint) const;
 
@@ -53,4 +53,4 @@ class Sift {
   std::vector<Keypoint> extrema_;
 };
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-namespace ldp::sift {
+namespace ldp::sfm::sift {
 
 // The weights of a symmetrical blur: half[0] in the middle, half[j] at j places to either side, up to j = reach.
 struct Blur {
@@ -20,27 +20,27 @@ struct DifferenceRow {
   float *middle, *largest, *smallest;
 };
 
-constexpr int kMostInWindow = 80;  // places of a row of a window
+constexpr int kMaxWindow = 80;  // places of a row of a window
 
 // A row of a window around a keypoint. Places are counted from the pixel nearest to it; `middle` is in its column.
 struct WindowRow {
   const float* middle;
   int stride;            // from row to row of the picture
-  int y, first, end;     // the row's place; columns first .. end - 1, at most kMostInWindow
+  int y, first, end;     // the row's place; columns first .. end - 1, at most kMaxWindow
   const float* weights;  // of places in a row or a column, weights[0] of the pixel nearest to the keypoint
 };
 
 // From pixels to the cells of a descriptor, and where directions are counted from.
-struct Turn {
+struct PatchRotation {
   float cosine, sine, angle_rad;
 };
 
-constexpr int kAngles = 36;                 // bins for the direction of a keypoint
-constexpr int kCells = 4, kDirections = 8;  // of a descriptor
+constexpr int kOrientationBins = 36;          // bins for the direction of a keypoint
+constexpr int kCells = 4, kOrientations = 8;  // of a descriptor
 // With a rim of cells that nobody asks for; it is wider after the last ones, because a place just short of kCells is
 // rounded to it.
-constexpr int kRimmed = 1 + kCells + 2;
-using Cells = float[kRimmed * kRimmed * kDirections];
+constexpr int kPaddedCells = 1 + kCells + 2;
+using Cells = float[kPaddedCells * kPaddedCells * kOrientations];
 
 struct Kernels {
   // out[x] from rows[0][x] .. rows[2 * reach][x].
@@ -57,13 +57,13 @@ struct Kernels {
   void (*mark_extrema)(const DifferenceRow (&levels)[3], float least, int width, uint8_t* out);
 
   // Adds the sizes of gradients to the bins of their directions.
-  void (*add_directions)(const WindowRow& row, float (&bins)[kAngles]);
+  void (*add_to_orientation_histogram)(const WindowRow& row, float (&bins)[kOrientationBins]);
 
   // Adds the sizes of gradients to the cells and directions nearest to them.
-  void (*add_to_cells)(const WindowRow& row, const Turn& turn, Cells& cells);
+  void (*add_to_descriptor)(const WindowRow& row, const PatchRotation& turn, Cells& cells);
 };
 
 const Kernels& best();   // for the processor at hand
 const Kernels& plain();  // for the base instruction set; the same bytes
 
-}  // namespace ldp::sift
+}  // namespace ldp::sfm::sift

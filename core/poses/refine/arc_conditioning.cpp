@@ -4,14 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-namespace ldp {
-namespace {
+#include "core/poses/refine/refine_tuning.h"
 
-constexpr double kLoose = 2.75 * std::numbers::pi / 180;  // of the swept angle, if each point told a step to itself
-
-}  // namespace
-
-std::vector<int> seen_between(const Reconstruction& r) {
+namespace ldp::sfm {
+std::vector<int> tracks_through_frame(const Reconstruction& r) {
   std::vector<int> between(r.bundle.cameras.size(), 0);
   for (const Track& track : r.tracks) {
     for (size_t i = 1; i + 1 < track.size(); ++i) ++between[static_cast<size_t>(track[i].frame)];
@@ -19,9 +15,9 @@ std::vector<int> seen_between(const Reconstruction& r) {
   return between;
 }
 
-bool loosely_held(const Reconstruction& r) {
+bool is_ill_conditioned(const Reconstruction& r) {
   if (r.motion != Motion::arc || r.closed) return false;
-  const std::vector<int> between = seen_between(r);
+  const std::vector<int> between = tracks_through_frame(r);
   std::vector<size_t> posed;
   for (size_t i = 0; i < between.size(); ++i) {
     if (r.dropped[i].empty()) posed.push_back(i);
@@ -32,7 +28,7 @@ bool loosely_held(const Reconstruction& r) {
     swept += Eigen::AngleAxisd(p.world_from_camera.transpose() * q.world_from_camera).angle();
     if (i + 1 < posed.size()) open += 1.0 / (between[posed[i]] + 1);
   }
-  return posed.size() > 2 && swept / static_cast<double>(posed.size() - 2) * std::sqrt(open) > kLoose;
+  return posed.size() > 2 && swept / static_cast<double>(posed.size() - 2) * std::sqrt(open) > kMaxArcError_rad;
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

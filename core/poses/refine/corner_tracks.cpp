@@ -4,70 +4,66 @@
 #include <iterator>
 
 #include "core/poses/features/corners.h"
-#include "core/poses/features/occupancy_grid.h"
 #include "core/poses/refine/arc_conditioning.h"
 #include "core/poses/refine/iterative_refinement.h"
+#include "core/poses/refine/occupancy_grid.h"
+#include "core/poses/refine/refine_tuning.h"
 #include "core/poses/tracks/epipolar_search.h"
 #include "core/poses/tracks/klt_tracking.h"
-#include "core/poses/tracks/point_placement.h"
+#include "core/poses/tracks/track_triangulation.h"
 
-namespace ldp {
+namespace ldp::sfm {
 namespace {
 
-constexpr int kWanted = 3000;     // things that a frame sees between two others that see them too: hardly ever so many
-constexpr double kTried = 3;      // corners for each that is wanted
-constexpr int kCells = 8;         // each way, over which what is tried spreads:
-constexpr int kShare = 2;         // a cell has no more than so many times its even share
-constexpr double kApart = 4;      // pixels of 800 between a corner and whatever else three see in its frame
-constexpr double kSameThing = 3;  // pixels of 800: two tracks that come as near in a frame show one thing
-constexpr size_t kLeast = 3;      // photos that must show a corner
-
-// Tracks of one observation, and where their points are believed to be.
-struct Guesses {
+// Tracks of one observation, and the depths that the search found for them.
+struct CornerCandidates {
   std::vector<Track> tracks;
   std::vector<InversePoint> points;
 };
 
-Guesses guess(const MatchedSweep& sweep, const Reconstruction& r, const AlongSight& along, size_t frame, int wanted) {
-  Guesses guesses;
+CornerCandidates candidates_of_frame(const MatchedSweep& sweep, const Reconstruction& r, const EpipolarSearch& search,
+                                     size_t frame, int wanted) {
+  CornerCandidates candidates;
   const GreyImage& grey = sweep.pictures[frame].grey;
-  Occupied occupied(sweep.features[frame].width, sweep.features[frame].height, sweep.pixels(kApart));
+  OccupancyGrid occupied(sweep.features[frame].width, sweep.features[frame].height, sweep.pixels(kMinCornerSpacing_px));
   for (const Track& track : r.tracks) {
     for (const Observation& o : track) {
-      if (static_cast<size_t>(o.frame) == frame && track.size() >= kLeast) occupied.add(o.position_px);
+      if (static_cast<size_t>(o.frame) == frame && track.size() >= kMinCornerViews) occupied.add(o.position_px);
     }
   }
-  int left = static_cast<int>(kTried * wanted);
-  const int share = kShare * left / (kCells * kCells) + 1;
-  std::vector<int> tried(kCells * kCells, 0);
-  for (const Corner& corner : find_corners(grey, kSightMargin)) {
+  int left = static_cast<int>(kTriedPerWantedCorner * wanted);
+  const int share = kMaxCornerCellShare * left / (kCornerGridCells * kCornerGridCells) + 1;
+  std::vector<int> tried(kCornerGridCells * kCornerGridCells, 0);
+  for (const Corner& corner : find_corners(grey, kSearchMargin_px)) {
     if (left <= 0 || wanted <= 0) break;
-    const Eigen::Vector2d p = along.from_picture({corner.x + 0.5, corner.y + 0.5}, frame);
-    int& here = tried[static_cast<size_t>(corner.y * kCells / grey.height * kCells + corner.x * kCells / grey.width)];
+    const Eigen::Vector2d p = search.from_picture({corner.x + 0.5, corner.y + 0.5}, frame);
+    int& here = tried[static_cast<size_t>(corner.y * kCornerGridCells / grey.height * kCornerGridCells +
+                                          corner.x * kCornerGridCells / grey.width)];
     if (here >= share || occupied.near(p)) continue;
-    const AlongSight::Found found = along.find(frame, p);
+    const EpipolarSearch::Found found = search.search(frame, p);
     if (!found.compared) continue;
     ++here, --left;
     occupied.add(p);
     if (!found.point) continue;
     --wanted;
-    guesses.tracks.push_back({{static_cast<int>(frame), -1, p}});
-    guesses.points.push_back(*found.point);
+    candidates.tracks.push_back({{static_cast<int>(frame), -1, p}});
+    candidates.points.push_back(*found.point);
   }
-  return guesses;
+  return candidates;
 }
 
 // One list of all frames, in their order.
-Guesses guesses(const MatchedSweep& sweep, const Reconstruction& r, const Job& job) {
-  const AlongSight along(sweep, r.tracks, r.bundle);
-  const std::vector<int> between = seen_between(r);
-  std::vector<Guesses> of_frames(between.size());
+CornerCandidates corner_candidates(const MatchedSweep& sweep, const Reconstruction& r, const Job& job) {
+  const EpipolarSearch search(sweep, r.tracks, r.bundle);
+  const std::vector<int> between = tracks_through_frame(r);
+  std::vector<CornerCandidates> of_frames(between.size());
   parallel_for(job, static_cast<int>(between.size()), [&](int frame) {
     const size_t i = static_cast<size_t>(frame);
-    if (along.knows(i) && between[i] < kWanted) of_frames[i] = guess(sweep, r, along, i, kWanted - between[i]);
+    if (search.sees_known_points(i) && between[i] < kWantedCorners)
+      of_frames[i] = candidates_of_frame(sweep, r, search, i, kWantedCorners - between[i]);
   });
-  Guesses all;
-  for (Guesses& g : of_frames) {
+  CornerCandidates all;
+  for (CornerCandidates& g : of_frames) {
     std::move(g.tracks.begin(), g.tracks.end(), std::back_inserter(all.tracks));
     all.points.insert(all.points.end(), g.points.begin(), g.points.end());
   }
@@ -75,10 +71,11 @@ Guesses guesses(const MatchedSweep& sweep, const Reconstruction& r, const Job& j
 }
 
 // Without those that show what is known, or what another does that more photos show.
-std::vector<Track> new_tracks(const MatchedSweep& sweep, const std::vector<Track>& known, std::vector<Track> tracks) {
+std::vector<Track> without_duplicates(const MatchedSweep& sweep, const std::vector<Track>& known,
+                                      std::vector<Track> tracks) {
   std::stable_sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.size() > b.size(); });
-  std::vector<Occupied> occupied;
-  for (const Features& f : sweep.features) occupied.emplace_back(f.width, f.height, sweep.pixels(kSameThing));
+  std::vector<OccupancyGrid> occupied;
+  for (const Features& f : sweep.features) occupied.emplace_back(f.width, f.height, sweep.pixels(kDuplicateTrack_px));
   const auto add = [&](const Track& track) {
     for (const Observation& o : track) occupied[static_cast<size_t>(o.frame)].add(o.position_px);
   };
@@ -95,18 +92,18 @@ std::vector<Track> new_tracks(const MatchedSweep& sweep, const std::vector<Track
 
 }  // namespace
 
-void gather_corners(const MatchedSweep& sweep, const Job& job, Reconstruction& r) {
-  Guesses guessed = guesses(sweep, r, job);
-  Bundle bundle{r.bundle.cameras, r.bundle.lens, std::move(guessed.points), {}};
-  std::vector<Track> found = follow_points(sweep.pictures, guessed.tracks, bundle, FollowOptions{}, job);
-  std::erase_if(found, [](const Track& t) { return t.size() < kLeast; });
-  found = new_tracks(sweep, r.tracks, std::move(found));
-  found = place_good(found, sweep.pixels(kFollowed[0]), false, bundle, job);
+void add_corner_tracks(const MatchedSweep& sweep, const Job& job, Reconstruction& r) {
+  CornerCandidates candidates = corner_candidates(sweep, r, job);
+  Bundle bundle{r.bundle.cameras, r.bundle.lens, std::move(candidates.points), {}};
+  std::vector<Track> found = track_points(sweep.pictures, candidates.tracks, bundle, KltOptions{}, job);
+  std::erase_if(found, [](const Track& t) { return t.size() < kMinCornerViews; });
+  found = without_duplicates(sweep, r.tracks, std::move(found));
+  found = triangulate_inliers(found, sweep.pixels(kKltTolerances_px[0]), false, bundle, job);
   for (size_t i = 0; i < found.size(); ++i) {
-    if (found[i].size() < kLeast) continue;
+    if (found[i].size() < kMinCornerViews) continue;
     add_point(found[i], bundle.points[i], r.bundle);
     r.tracks.push_back(std::move(found[i]));
   }
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

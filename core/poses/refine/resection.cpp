@@ -1,13 +1,10 @@
 #include "core/poses/refine/resection.h"
 
+#include "core/poses/refine/refine_tuning.h"
 #include "core/poses/start/rotation_averaging.h"
 
-namespace ldp {
+namespace ldp::sfm {
 namespace {
-
-constexpr double kTolerance = 12;  // pixels of 800 that a match may miss the cameras by
-constexpr double kLost = 0.3;      // of a frame's matches agree, or fewer, where it is lost
-constexpr double kTelling = 60;    // matches of a frame from which that tells something
 
 using Pairs = std::vector<const PairMatches*>;
 
@@ -20,11 +17,11 @@ Pairs pairs_of(const MatchedSweep& sweep, const Reconstruction& r, int frame) {
   return pairs;
 }
 
-double agreeing_share(const MatchedSweep& sweep, const Bundle& bundle, const Pairs& pairs) {
+double inlier_ratio(const MatchedSweep& sweep, const Bundle& bundle, const Pairs& pairs) {
   double agree = 0, all = 0;
   for (const PairMatches* pair : pairs) {
     const double count = static_cast<double>(pair->matches.size());
-    agree += count * agreeing_share(sweep, bundle, *pair, sweep.pixels(kTolerance));
+    agree += count * inlier_ratio(sweep, bundle, *pair, sweep.pixels(kResectionTolerance_px));
     all += count;
   }
   return agree / all;
@@ -32,7 +29,8 @@ double agreeing_share(const MatchedSweep& sweep, const Bundle& bundle, const Pai
 
 // Where the pair's matches want the frame beside the other one.
 Pose beside(const MatchedSweep& sweep, const Bundle& bundle, const PairMatches& pair, int frame) {
-  const Eigen::Matrix3d b_from_a = turn_between(sweep, pair, bundle.lens.focal_px, Turning::on_the_sphere).b_from_a;
+  const Eigen::Matrix3d b_from_a =
+      relative_rotation(sweep, pair, bundle.lens.focal_px, TwoViewMotion::spherical).b_from_a;
   const int other = pair.a == frame ? pair.b : pair.a;
   const Eigen::Matrix3d& of_other = bundle.cameras[static_cast<size_t>(other)].world_from_camera;
   const Eigen::Matrix3d other_from_frame = pair.a == frame ? b_from_a : Eigen::Matrix3d(b_from_a.transpose());
@@ -40,38 +38,38 @@ Pose beside(const MatchedSweep& sweep, const Bundle& bundle, const PairMatches& 
   return {world_from_frame, world_from_frame.col(2)};
 }
 
-bool reseat(const MatchedSweep& sweep, Reconstruction& r, int frame) {
+bool resect(const MatchedSweep& sweep, Reconstruction& r, int frame) {
   const Pairs pairs = pairs_of(sweep, r, frame);
   Pose& pose = r.bundle.cameras[static_cast<size_t>(frame)];
   Pose best = pose;
-  const double now = agreeing_share(sweep, r.bundle, pairs);
-  double most = std::max(kLost, now);
+  const double now = inlier_ratio(sweep, r.bundle, pairs);
+  double most = std::max(kLostInlierRatio, now);
   for (const PairMatches* pair : pairs) {
     pose = beside(sweep, r.bundle, *pair, frame);
-    const double share = agreeing_share(sweep, r.bundle, pairs);
+    const double share = inlier_ratio(sweep, r.bundle, pairs);
     if (share > most) most = share, best = pose;
   }
   pose = best;
-  return most > std::max(kLost, now);
+  return most > std::max(kLostInlierRatio, now);
 }
 
 }  // namespace
 
-bool reseat_lost_frames(const MatchedSweep& sweep, Reconstruction& r) {
+bool resect_lost_frames(const MatchedSweep& sweep, Reconstruction& r) {
   std::vector<double> of_matches(r.dropped.size(), 0), agree = of_matches;
   for (const PairMatches& pair : sweep.pairs) {
     const size_t a = static_cast<size_t>(pair.a), b = static_cast<size_t>(pair.b);
     if (!r.dropped[a].empty() || !r.dropped[b].empty()) continue;
     const double count = static_cast<double>(pair.matches.size());
-    const double agreeing = count * agreeing_share(sweep, r.bundle, pair, sweep.pixels(kTolerance));
+    const double agreeing = count * inlier_ratio(sweep, r.bundle, pair, sweep.pixels(kResectionTolerance_px));
     for (const size_t frame : {a, b}) of_matches[frame] += count, agree[frame] += agreeing;
   }
   bool any = false;
   for (size_t frame = 0; frame < agree.size(); ++frame) {
-    if (of_matches[frame] >= kTelling && agree[frame] < kLost * of_matches[frame])
-      any = reseat(sweep, r, static_cast<int>(frame)) || any;
+    if (of_matches[frame] >= kMinResectionMatches && agree[frame] < kLostInlierRatio * of_matches[frame])
+      any = resect(sweep, r, static_cast<int>(frame)) || any;
   }
   return any;
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -3,45 +3,42 @@
 #include <numeric>
 #include <utility>
 
+#include "core/poses/refine/refine_tuning.h"
 #include "core/poses/start/motion_model.h"
-#include "core/poses/tracks/point_placement.h"
+#include "core/poses/tracks/track_triangulation.h"
 
-namespace ldp {
+namespace ldp::sfm {
 namespace {
 
-constexpr double kSteady[] = {0.02, 0.01, 0.02};  // sigmas of the arc prior in rounds that ask for a steadier hand
-constexpr double kSteadyHand = 1.0 / 3;           // share of what is explained that may be given for steadiness
-constexpr double kTorn = 0.5;                     // of what others explain across a step: less is left where it tears
-constexpr int kTelling = 30;                      // tracks across a step from which their loss tells something
-
-std::vector<Track> agreeing(const MatchedSweep& sweep, const std::vector<Track>& tracks, Reconstruction r,
-                            const Job& job) {
-  return place_good(tracks, sweep.pixels(kMatched[2]), false, r.bundle, job);
+std::vector<Track> inlier_tracks(const MatchedSweep& sweep, const std::vector<Track>& tracks, Reconstruction r,
+                                 const Job& job) {
+  return triangulate_inliers(tracks, sweep.pixels(kMatchTolerances_px[2]), false, r.bundle, job);
 }
 
-// Cameras put back on their sphere and held near it while what agrees with them gathers. The lens keeps its bend:
-// freed, it would take on what the sphere cannot explain, and half the focal length with a barrel's bend passes for
-// any.
-void steady(const MatchedSweep& sweep, const std::vector<Track>& tracks, Rounds rounds, Reconstruction& r) {
-  rounds.stay_on_the_arc();
-  rounds.keep_the_bend();
+// Cameras put back on their sphere and held near it while inliers gather. Distortion stays: freed, it would take on
+// what the sphere cannot explain, and half the focal length with barrel distortion passes for any.
+void refine_smoothly(const MatchedSweep& sweep, const std::vector<Track>& tracks, IterativeRefinement refinement,
+                     Reconstruction& r) {
+  refinement.set_min_arc_sigma(0);
+  refinement.fix_distortion();
   for (Pose& pose : r.bundle.cameras) pose.centre = pose.world_from_camera.col(2);
-  const std::vector<Track> thin = longest_tracks(tracks, sweep.frames(), kThin);
-  for (size_t i = 0; i < std::size(kSteady); ++i)
-    rounds.round(i + 1 < std::size(kSteady) ? thin : tracks, kMatched[i], kSteady[i], r);
+  const std::vector<Track> coarse = longest_tracks(tracks, sweep.frames(), kCoarseObservationsPerFrame);
+  for (size_t i = 0; i < std::size(kSmoothArcSigmas); ++i)
+    refinement.iterate(i + 1 < std::size(kSmoothArcSigmas) ? coarse : tracks, kMatchTolerances_px[i],
+                       kSmoothArcSigmas[i], r);
 }
 
-// What walks by is some of what a step shows. A hand that is steadier for the loss of nearly all of it is at the wrong
-// place there.
-bool steadier_is_better(const MatchedSweep& sweep, const std::vector<Track>& tracks, const Reconstruction& steadied,
+// What walks by is some of what a step shows. Motion that is smoother for the loss of nearly all of it is wrong there.
+bool smoother_is_better(const MatchedSweep& sweep, const std::vector<Track>& tracks, const Reconstruction& smooth,
                         const Reconstruction& other, const Job& job) {
-  const std::vector<Track> held = agreeing(sweep, tracks, steadied, job),
-                           of_other = agreeing(sweep, tracks, other, job);
-  const double steadier =
-      1 - unsteadiness(steadied.dropped, steadied.bundle) / unsteadiness(other.dropped, other.bundle);
-  const double least = (1 - kSteadyHand * steadier) * static_cast<double>(observations(of_other));
-  return static_cast<double>(observations(held)) >= least &&
-         !tears(across_steps(held, sweep.frames()), across_steps(of_other, sweep.frames()));
+  const std::vector<Track> inliers = inlier_tracks(sweep, tracks, smooth, job),
+                           inliers_of_other = inlier_tracks(sweep, tracks, other, job);
+  const double gain =
+      1 - motion_roughness(smooth.dropped, smooth.bundle) / motion_roughness(other.dropped, other.bundle);
+  const double least = (1 - kSmoothnessTradeOff * gain) * static_cast<double>(observations(inliers_of_other));
+  return static_cast<double>(observations(inliers)) >= least &&
+         !breaks_connectivity(tracks_across_steps(inliers, sweep.frames()),
+                              tracks_across_steps(inliers_of_other, sweep.frames()));
 }
 
 }  // namespace
@@ -51,11 +48,12 @@ size_t observations(const std::vector<Track>& tracks) {
                          [](size_t sum, const Track& t) { return sum + t.size(); });
 }
 
-double explained(const MatchedSweep& sweep, const std::vector<Track>& tracks, Reconstruction r, const Job& job) {
-  return static_cast<double>(observations(agreeing(sweep, tracks, std::move(r), job)));
+double inlier_observations(const MatchedSweep& sweep, const std::vector<Track>& tracks, Reconstruction r,
+                           const Job& job) {
+  return static_cast<double>(observations(inlier_tracks(sweep, tracks, std::move(r), job)));
 }
 
-std::vector<int> across_steps(const std::vector<Track>& tracks, int frames) {
+std::vector<int> tracks_across_steps(const std::vector<Track>& tracks, int frames) {
   std::vector<int> across(static_cast<size_t>(frames), 0);
   for (const Track& track : tracks) {
     for (size_t i = 0; i + 1 < track.size(); ++i) {
@@ -65,28 +63,29 @@ std::vector<int> across_steps(const std::vector<Track>& tracks, int frames) {
   return across;
 }
 
-bool tears(const std::vector<int>& across, const std::vector<int>& across_of_others) {
+bool breaks_connectivity(const std::vector<int>& across, const std::vector<int>& across_of_others) {
   for (size_t i = 0; i < across.size(); ++i) {
-    if (across_of_others[i] >= kTelling && across[i] <= kTorn * across_of_others[i]) return true;
+    if (across_of_others[i] >= kMinTracksAcrossStep && across[i] <= kBrokenStepShare * across_of_others[i]) return true;
   }
   return false;
 }
 
-void last_matched_round(const MatchedSweep& sweep, const std::vector<Track>& tracks, Rounds& rounds, const Job& job,
-                        Reconstruction& result) {
-  const bool on_an_arc = rounds.on_an_arc();
-  Reconstruction steadied = result;
-  if (on_an_arc) rounds.use_threads(job.threads / 2);
-  const Rounds before = rounds;
-  parallel_for(job, on_an_arc ? 2 : 1, [&](int which) {
-    if (which == 1) return steady(sweep, tracks, before, steadied);
-    rounds.round(tracks, kMatched[2], kAboutArc, result);
-    rounds.decide_distortion(result);
+void final_match_refinement(const MatchedSweep& sweep, const std::vector<Track>& tracks,
+                            IterativeRefinement& refinement, const Job& job, Reconstruction& result) {
+  const bool has_arc_prior = refinement.has_arc_prior();
+  Reconstruction smooth = result;
+  if (has_arc_prior) refinement.use_threads(job.threads / 2);
+  const IterativeRefinement before = refinement;
+  parallel_for(job, has_arc_prior ? 2 : 1, [&](int which) {
+    if (which == 1) return refine_smoothly(sweep, tracks, before, smooth);
+    refinement.iterate(tracks, kMatchTolerances_px[2], kArcSigma, result);
+    refinement.select_distortion_model(result);
   });
-  rounds.use_threads(job.threads);
-  if (!on_an_arc) return;
-  if (rounds.bent() && !before.bent()) steady(sweep, tracks, rounds, steadied = result);
-  if (steadier_is_better(sweep, tracks, steadied, result, job)) result = std::move(steadied);
+  refinement.use_threads(job.threads);
+  if (!has_arc_prior) return;
+  if (refinement.refines_distortion() && !before.refines_distortion())
+    refine_smoothly(sweep, tracks, refinement, smooth = result);
+  if (smoother_is_better(sweep, tracks, smooth, result, job)) result = std::move(smooth);
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

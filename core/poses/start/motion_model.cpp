@@ -4,18 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include "core/poses/tracks/point_placement.h"
 
-namespace ldp {
+#include "core/poses/start/start_tuning.h"
+#include "core/poses/tracks/track_triangulation.h"
+
+namespace ldp::sfm {
 namespace {
-
-constexpr double kRotationShare = 0.1;  // of the observations may show parallax in what still counts as a rotation
-constexpr double kParallax = 1.5;       // pixels of 800 by which a point must miss a rotation to show parallax
-constexpr int kJudges = 60;             // observations per frame that are asked
-constexpr double kArcShare = 0.5;       // of the centres' spread that turning must explain in an arc
-constexpr double kLeastBend = 0.14;     // radians that a path must turn to be an arc
-constexpr int kSeamTracks = 5;          // points seen on both sides of the seam of a closed sweep
-constexpr double kClosedGap = 0.6;      // of the field of view that may be missing where a sweep closes
 
 std::vector<Pose> posed_cameras(const std::vector<std::string>& dropped, const Bundle& bundle) {
   std::vector<Pose> cameras;
@@ -25,7 +19,7 @@ std::vector<Pose> posed_cameras(const std::vector<std::string>& dropped, const B
   return cameras;
 }
 
-double share_beyond(const Bundle& bundle, double tolerance_px) {
+double outlier_share(const Bundle& bundle, double tolerance_px) {
   int beyond = 0;
   for (const BundleObservation& o : bundle.observations) {
     const Projection p = project_point(bundle.cameras[static_cast<size_t>(o.camera)], bundle.lens,
@@ -55,7 +49,7 @@ Circle fit_circle(const std::vector<Pose>& cameras) {
   }
   const double turn = std::sqrt(12 * forwards / count);  // of a path that turns evenly
   const double radius = forwards > 0 ? both / forwards : 0;
-  return {c - radius * f, radius, both > 0 && both * both > kArcShare * centres * forwards && turn > kLeastBend};
+  return {c - radius * f, radius, both > 0 && both * both > kMinArcShare * centres * forwards && turn > kMinArc_rad};
 }
 
 // Azimuths of the lines of sight about the mean up, sorted, with the widest gap: where the sweep would be open.
@@ -94,7 +88,7 @@ bool closes(const MatchedSweep& sweep, const Reconstruction& r) {
   for (const Pose& pose : cameras) azimuths.push_back(azimuth(pose, e1, e2));
   const Seam seam = widest_gap(azimuths);
   const double view = 2 * std::atan2(0.5 * sweep.features[0].width, r.bundle.lens.focal_px);
-  if (seam.gap > kClosedGap * view) return false;
+  if (seam.gap > kMaxClosedGap * view) return false;
   int across = 0;
   for (const Track& track : r.tracks) {
     bool before = false, behind = false;
@@ -105,33 +99,33 @@ bool closes(const MatchedSweep& sweep, const Reconstruction& r) {
     }
     across += before && behind ? 1 : 0;
   }
-  return across >= kSeamTracks;
+  return across >= kMinSeamTracks;
 }
 
 }  // namespace
 
-bool only_turns(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job) {
-  Bundle turning = bundle;
-  place_all(longest_tracks(tracks, sweep.frames(), kJudges), turning);
-  for (InversePoint& point : turning.points) point.inverse_distance = 0;
-  BundleOptions options;
-  options.model = Model::rotation;
+bool is_pure_rotation(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job) {
+  Bundle rotation = bundle;
+  triangulate_tracks(longest_tracks(tracks, sweep.frames(), kParallaxObservationsPerFrame), rotation);
+  for (InversePoint& point : rotation.points) point.inverse_distance = 0;
+  BundleAdjustmentOptions options;
+  options.model = MotionModel::rotation;
   options.refine_distortion = true;
-  options.loss_px = sweep.pixels(0.5 * kParallax);
-  adjust(turning, options, job);
-  if (share_beyond(turning, sweep.pixels(kParallax)) > kRotationShare) return false;
-  bundle = turning;
+  options.loss_px = sweep.pixels(0.5 * kParallax_px);
+  adjust_bundle(rotation, options, job);
+  if (outlier_share(rotation, sweep.pixels(kParallax_px)) > kMaxParallaxShare) return false;
+  bundle = rotation;
   return true;
 }
 
-bool move_to_sphere(const std::vector<std::string>& dropped, Bundle& bundle) {
+bool normalise_to_sphere(const std::vector<std::string>& dropped, Bundle& bundle) {
   const Circle circle = fit_circle(posed_cameras(dropped, bundle));
   if (!circle.bends) return false;
   for (Pose& pose : bundle.cameras) pose.centre = (pose.centre - circle.centre) / circle.radius;
   return true;
 }
 
-double unsteadiness(const std::vector<std::string>& dropped, const Bundle& bundle) {
+double motion_roughness(const std::vector<std::string>& dropped, const Bundle& bundle) {
   const std::vector<Pose> cameras = posed_cameras(dropped, bundle);
   if (cameras.size() < 2) return 0;
   std::vector<Eigen::Vector3d> steps;  // less those of the sphere, in the camera's axes
@@ -153,10 +147,10 @@ double unsteadiness(const std::vector<std::string>& dropped, const Bundle& bundl
   return sum / static_cast<double>(steps.size());
 }
 
-void describe_motion(const MatchedSweep& sweep, Reconstruction& reconstruction) {
+void classify_motion(const MatchedSweep& sweep, Reconstruction& reconstruction) {
   reconstruction.motion =
       fit_circle(posed_cameras(reconstruction.dropped, reconstruction.bundle)).bends ? Motion::arc : Motion::straight;
   reconstruction.closed = closes(sweep, reconstruction);
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

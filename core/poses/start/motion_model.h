@@ -7,21 +7,21 @@
 #include "core/poses/tracks/match_graph.h"
 #include "core/poses/tracks/reconstruction.h"
 
-namespace ldp {
+namespace ldp::sfm {
 
-// Does a camera that only turns explain what is seen? Asked of the longest tracks, with cameras and lens adjusted for
+// Does a camera that only rotates explain what is seen? Asked of the longest tracks, with cameras and lens adjusted for
 // that model; `bundle` is then that solution, all points at infinity and all centres on the sphere, else as it was.
-bool only_turns(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job);
+bool is_pure_rotation(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job);
 
 // Puts cameras that go round an arc where the sphere of spherical_motion.h has them: the circle's centre at the origin,
 // its radius 1. False, and nothing changed, when they do not go round one.
-bool move_to_sphere(const std::vector<std::string>& dropped, Bundle& bundle);
+bool normalise_to_sphere(const std::vector<std::string>& dropped, Bundle& bundle);
 
 // Mean distance of the cameras' steps from those that their turns would make on the sphere, in radii, apart from what
-// all steps share: how unsteady the hand was.
-double unsteadiness(const std::vector<std::string>& dropped, const Bundle& bundle);
+// all steps share.
+double motion_roughness(const std::vector<std::string>& dropped, const Bundle& bundle);
 
 // Arc or straight, and closed.
-void describe_motion(const MatchedSweep& sweep, Reconstruction& reconstruction);
+void classify_motion(const MatchedSweep& sweep, Reconstruction& reconstruction);
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -1,7 +1,7 @@
-// How the cameras of a sweep turn, for every focal length that they may have: rotations of all pairs under spherical
-// motion, averaged (spherical_motion.h). And which matches contradict that, because a sweep shows things twice that
-// look the same (windows, chairs, a pattern on a wall): photos are taken one after the other, so neighbours are trusted
-// first.
+// Rotation averaging of a sweep for every focal length that its cameras may have: rotations of all pairs under
+// spherical motion, averaged (spherical_motion.h). And outlier rejection of matches that contradict that, because a
+// sweep shows things twice that look the same (windows, chairs, a pattern on a wall): photos are taken one after the
+// other, so neighbours are trusted first.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,34 +13,37 @@
 #include "core/base/job.h"
 #include "core/poses/adjust/bundle_adjustment.h"
 #include "core/poses/start/spherical_motion.h"
+#include "core/poses/start/start_tuning.h"
 #include "core/poses/tracks/match_graph.h"
 
-namespace ldp {
-
-constexpr double kOffTheSphere = 4;  // hands leave the sphere: jitter shows as so many pixels of 800
+namespace ldp::sfm {
 
 // Views of the longer side, radians: beyond these hardly any camera's; and the view that these photos would have.
-constexpr double kTooWide = 125 * std::numbers::pi / 180, kTooNarrow = 8 * std::numbers::pi / 180;
 double view_of_longer_side(const MatchedSweep& sweep, double focal_px);
 
-// How the cameras turn, if their focal length is this.
-struct Turns {
+// What any camera may have.
+FocalPrior generic_focal_prior(const MatchedSweep& sweep);
+
+// The cameras' rotations, if their focal length is this.
+struct RotationHypothesis {
   double focal_px = 0;
   std::vector<Eigen::Matrix3d> world_from_camera;
   std::vector<std::vector<uint8_t>> votes;  // by pair of the sweep and match: how surely it shows that too
 };
 
-enum class Turning { on_the_sphere, on_the_spot };  // which motion of two frames tells how they turned
+enum class TwoViewMotion { spherical, rotation };  // what relative rotation is estimated under
 
-// How a pair's cameras turn by some of its matches.
-RelativeRotation turn_between(const MatchedSweep& sweep, const PairMatches& pair, double focal_px, Turning turning);
+// Of a pair's cameras, by some of its matches.
+RelativeRotation relative_rotation(const MatchedSweep& sweep, const PairMatches& pair, double focal_px,
+                                   TwoViewMotion motion);
 
 // For several focal lengths, around the prior's or over all that cameras have.
-std::vector<Turns> turns(const MatchedSweep& sweep, const std::optional<FocalPrior>& prior, Turning turning,
-                         const Job& job);
+std::vector<RotationHypothesis> rotation_hypotheses(const MatchedSweep& sweep, const std::optional<FocalPrior>& prior,
+                                                    TwoViewMotion motion, const Job& job);
 
-// The sweep's pairs but those that turn otherwise than the rest whatever the focal length: things that look the same
-// and are not.
-std::vector<PairMatches> without_contradictions(std::vector<PairMatches> pairs, const std::vector<Turns>& turns);
+// The sweep's pairs without matches that contradict the rotations whatever the focal length: of things that look the
+// same and are not.
+std::vector<PairMatches> reject_inconsistent_matches(std::vector<PairMatches> pairs,
+                                                     const std::vector<RotationHypothesis>& hypotheses);
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -6,15 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ldp {
-namespace {
+#include "core/poses/start/start_tuning.h"
 
-constexpr double kParallax_rad = 0.05;               // how far near things stray from a pure rotation
-constexpr double kShare = 0.9, kShareSigma = 0.2;    // of the turn that the pictures show, the cameras' own: 1 - the
-                                                     // inverse distance, in radii, of what they show
-constexpr double kAcross_rad = 0.02, kAcross = 0.1;  // deviation of the turn's axis: jitter and of the turn
-constexpr double kSay = 20;         // independent pairs that all pairs are worth, since what makes them err they share
-constexpr double kLoose_rad = 0.1;  // disagreement between rotations at which an edge loses its say
+namespace ldp::sfm {
+namespace {
 
 Eigen::Matrix3d rotation(const Eigen::Vector3d& vector) {
   const double angle = vector.norm();
@@ -35,8 +30,9 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
 // The rotation that brings the rays of a nearest to those of b (Kabsch), robustly.
 Eigen::Matrix3d aligning_rotation(const std::vector<RayPair>& pairs) {
   Eigen::Matrix3d r = Eigen::Matrix3d::Identity();
-  double tolerance = 1;  // shrinks to kParallax_rad: the first rounds must bridge the whole turn
-  for (int round = 0; round < 12; ++round, tolerance = std::max(kParallax_rad, 0.6 * tolerance)) {
+  double tolerance = 1;  // shrinks to kRotationParallax_rad: the first iterations must bridge the whole rotation
+  for (int iteration = 0; iteration < kKabschIterations;
+       ++iteration, tolerance = std::max(kRotationParallax_rad, 0.6 * tolerance)) {
     Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
     for (const RayPair& pair : pairs) {
       const Eigen::Vector3d a = pair.a.homogeneous().normalized(), b = pair.b.homogeneous().normalized();
@@ -71,23 +67,24 @@ double spherical_cost(const Eigen::Matrix3d& b_from_a, const std::vector<RayPair
   return sum / static_cast<double>(pairs.size());
 }
 
-// What an outward-looking arc makes likely before any epipolar line is looked at: cameras turn about the axis that the
-// pictures turn about, by most of that turn. Few points, or narrow views, tell little else.
-Eigen::Vector4d unlikeliness(const Eigen::Matrix3d& b_from_a, const Eigen::Vector3d& shown) {
+// Prior of an outward-looking arc, before any epipolar line is looked at: cameras rotate about the axis that the
+// pictures rotate about, by most of that angle. Few points, or narrow views, tell little else.
+Eigen::Vector4d rotation_prior(const Eigen::Matrix3d& b_from_a, const Eigen::Vector3d& shown) {
   const Eigen::Vector3d own = rotation_vector(b_from_a);
   const double share = own.dot(shown) / std::max(shown.squaredNorm(), 1e-12);
   Eigen::Vector4d result;
-  result << (share - kShare) / kShareSigma, (own - share * shown) / (kAcross_rad + kAcross * shown.norm());
+  result << (share - kCameraTurnShare) / kCameraTurnShareSigma,
+      (own - share * shown) / (kAxisSigma_rad + kAxisSigmaShare * shown.norm());
   return result;
 }
 
-// Levenberg-Marquardt over the three turns, derivatives by differences, Cauchy weights.
+// Levenberg-Marquardt over the rotation, derivatives by differences, Cauchy weights.
 RelativeRotation refine(Eigen::Matrix3d r, const std::vector<RayPair>& pairs, const Eigen::Vector3d& shown,
                         double tolerance) {
   constexpr double kStep = 1e-6;
-  const double say = kSay / static_cast<double>(pairs.size());
+  const double say = kEffectiveMatches / static_cast<double>(pairs.size());
   const auto cost_of = [&](const Eigen::Matrix3d& at) {
-    return kSay * spherical_cost(at, pairs, tolerance) + unlikeliness(at, shown).squaredNorm();
+    return kEffectiveMatches * spherical_cost(at, pairs, tolerance) + rotation_prior(at, shown).squaredNorm();
   };
   double cost = cost_of(r), damping = 1e-3;
   for (int i = 0; i < 20 && damping < 1e6; ++i) {
@@ -96,11 +93,11 @@ RelativeRotation refine(Eigen::Matrix3d r, const std::vector<RayPair>& pairs, co
     for (int axis = 0; axis < 3; ++axis) {
       turned[static_cast<size_t>(axis)] = spherical_essential(rotation(kStep * Eigen::Vector3d::Unit(axis)) * r);
     }
-    const Eigen::Vector4d prior = unlikeliness(r, shown);
+    const Eigen::Vector4d prior = rotation_prior(r, shown);
     Eigen::Matrix<double, 4, 3> prior_by_turn;
     for (int axis = 0; axis < 3; ++axis)
       prior_by_turn.col(axis) =
-          (unlikeliness(rotation(kStep * Eigen::Vector3d::Unit(axis)) * r, shown) - prior) / kStep;
+          (rotation_prior(rotation(kStep * Eigen::Vector3d::Unit(axis)) * r, shown) - prior) / kStep;
     Eigen::Matrix3d h = prior_by_turn.transpose() * prior_by_turn;
     Eigen::Vector3d g = prior_by_turn.transpose() * prior;
     for (const RayPair& pair : pairs) {
@@ -127,38 +124,12 @@ RelativeRotation refine(Eigen::Matrix3d r, const std::vector<RayPair>& pairs, co
   return {r, cost};
 }
 
-}  // namespace
-
-RelativeRotation spherical_rotation(const std::vector<RayPair>& pairs, double tolerance) {
-  const Eigen::Vector3d turn = rotation_vector(aligning_rotation(pairs));
-  RelativeRotation best;
-  bool first = true;
-  for (const double share : {1.0, 0.75, 0.5}) {  // near scenes seem to turn by more than the camera does
-    RelativeRotation candidate = refine(rotation(share * turn), pairs, turn, 4 * tolerance);
-    candidate = refine(candidate.b_from_a, pairs, turn, tolerance);
-    if (first || candidate.cost < best.cost) best = candidate;
-    first = false;
-  }
-  best.cost = spherical_cost(best.b_from_a, pairs, tolerance);
-  return best;
-}
-
-RelativeRotation rotation_on_the_spot(const std::vector<RayPair>& pairs) {
-  RelativeRotation result{aligning_rotation(pairs), 0};
-  for (const RayPair& pair : pairs) {
-    const Eigen::Vector3d a = pair.a.homogeneous().normalized(), b = pair.b.homogeneous().normalized();
-    result.cost += std::log1p((b - result.b_from_a * a).squaredNorm() / (kParallax_rad * kParallax_rad));
-  }
-  result.cost /= static_cast<double>(pairs.size());
-  return result;
-}
-
-std::vector<Eigen::Matrix3d> average_rotations(int count, int first, const std::vector<RotationEdge>& edges,
-                                               std::vector<bool>& reached) {
+// Rotations along a spanning tree of the heaviest edges first (Prim); those that it does not reach keep the identity.
+std::vector<Eigen::Matrix3d> spanning_tree_rotations(int count, int first, const std::vector<RotationEdge>& edges,
+                                                     std::vector<bool>& reached) {
   std::vector<Eigen::Matrix3d> world(static_cast<size_t>(count), Eigen::Matrix3d::Identity());
   reached.assign(static_cast<size_t>(count), false);
   reached[static_cast<size_t>(first)] = true;
-  // A tree of the heaviest edges first (Prim).
   for (int added = 1; added < count; ++added) {
     const RotationEdge* best = nullptr;
     for (const RotationEdge& edge : edges) {
@@ -175,30 +146,68 @@ std::vector<Eigen::Matrix3d> average_rotations(int count, int first, const std::
       reached[a] = true;
     }
   }
-  // world_b b_from_a = world_a up to a small turn of the world: a Laplace equation per axis.
-  for (int round = 0; round < 20; ++round) {
-    Eigen::MatrixXd laplacian = 1e-9 * Eigen::MatrixXd::Identity(count, count);
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(count, 3);
-    laplacian(first, first) += 1e9;
-    for (const RotationEdge& edge : edges) {
-      const size_t a = static_cast<size_t>(edge.a), b = static_cast<size_t>(edge.b);
-      if (!reached[a] || !reached[b]) continue;
-      const Eigen::Vector3d gap = rotation_vector(world[a] * (world[b] * edge.b_from_a).transpose());
-      const double weight = edge.weight / (1 + gap.squaredNorm() / (kLoose_rad * kLoose_rad));
-      laplacian(edge.a, edge.a) += weight;
-      laplacian(edge.b, edge.b) += weight;
-      laplacian(edge.a, edge.b) -= weight;
-      laplacian(edge.b, edge.a) -= weight;
-      right.row(edge.a) -= weight * gap;
-      right.row(edge.b) += weight * gap;
-    }
-    const Eigen::MatrixXd turns = laplacian.ldlt().solve(right);
-    for (int i = 0; i < count; ++i) {
-      world[static_cast<size_t>(i)] = rotation(turns.row(i).transpose()) * world[static_cast<size_t>(i)];
-    }
-    if (turns.norm() < 1e-6) break;
+  return world;
+}
+
+// world_b b_from_a = world_a up to a small rotation of the world: a Laplace equation per axis. Gives a row per camera.
+Eigen::MatrixXd rotation_corrections(const std::vector<Eigen::Matrix3d>& world, int first,
+                                     const std::vector<RotationEdge>& edges, const std::vector<bool>& reached) {
+  const auto count = static_cast<Eigen::Index>(world.size());
+  Eigen::MatrixXd laplacian = 1e-9 * Eigen::MatrixXd::Identity(count, count);
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(count, 3);
+  laplacian(first, first) += 1e9;
+  for (const RotationEdge& edge : edges) {
+    const size_t a = static_cast<size_t>(edge.a), b = static_cast<size_t>(edge.b);
+    if (!reached[a] || !reached[b]) continue;
+    const Eigen::Vector3d gap = rotation_vector(world[a] * (world[b] * edge.b_from_a).transpose());
+    const double weight = edge.weight / (1 + gap.squaredNorm() / (kRotationTolerance_rad * kRotationTolerance_rad));
+    laplacian(edge.a, edge.a) += weight;
+    laplacian(edge.b, edge.b) += weight;
+    laplacian(edge.a, edge.b) -= weight;
+    laplacian(edge.b, edge.a) -= weight;
+    right.row(edge.a) -= weight * gap;
+    right.row(edge.b) += weight * gap;
+  }
+  return laplacian.ldlt().solve(right);
+}
+
+}  // namespace
+
+RelativeRotation spherical_rotation(const std::vector<RayPair>& pairs, double tolerance) {
+  const Eigen::Vector3d turn = rotation_vector(aligning_rotation(pairs));
+  RelativeRotation best;
+  bool first = true;
+  for (const double share : {1.0, 0.75, 0.5}) {  // near scenes seem to turn by more than the camera does
+    RelativeRotation candidate = refine(rotation(share * turn), pairs, turn, 4 * tolerance);
+    candidate = refine(candidate.b_from_a, pairs, turn, tolerance);
+    if (first || candidate.cost < best.cost) best = candidate;
+    first = false;
+  }
+  best.cost = spherical_cost(best.b_from_a, pairs, tolerance);
+  return best;
+}
+
+RelativeRotation pure_rotation(const std::vector<RayPair>& pairs) {
+  RelativeRotation result{aligning_rotation(pairs), 0};
+  for (const RayPair& pair : pairs) {
+    const Eigen::Vector3d a = pair.a.homogeneous().normalized(), b = pair.b.homogeneous().normalized();
+    result.cost +=
+        std::log1p((b - result.b_from_a * a).squaredNorm() / (kRotationParallax_rad * kRotationParallax_rad));
+  }
+  result.cost /= static_cast<double>(pairs.size());
+  return result;
+}
+
+std::vector<Eigen::Matrix3d> average_rotations(int count, int first, const std::vector<RotationEdge>& edges,
+                                               std::vector<bool>& reached) {
+  std::vector<Eigen::Matrix3d> world = spanning_tree_rotations(count, first, edges, reached);
+  for (int iteration = 0; iteration < kMaxAveragingIterations; ++iteration) {
+    const Eigen::MatrixXd corrections = rotation_corrections(world, first, edges, reached);
+    for (size_t i = 0; i < world.size(); ++i)
+      world[i] = rotation(corrections.row(static_cast<Eigen::Index>(i)).transpose()) * world[i];
+    if (corrections.norm() < 1e-6) break;
   }
   return world;
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

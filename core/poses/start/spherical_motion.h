@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace ldp {
+namespace ldp::sfm {
 
 struct RayPair {
   Eigen::Vector2d a, b;  // the same point in two frames, on the plane z = 1
@@ -24,7 +24,7 @@ struct RelativeRotation {
 RelativeRotation spherical_rotation(const std::vector<RayPair>& pairs, double tolerance);
 
 // The rotation of a camera that does not move, which brings rays nearest to each other: robust against what is near.
-RelativeRotation rotation_on_the_spot(const std::vector<RayPair>& pairs);
+RelativeRotation pure_rotation(const std::vector<RayPair>& pairs);
 
 struct RotationEdge {
   int a = 0, b = 0;
@@ -37,4 +37,4 @@ struct RotationEdge {
 std::vector<Eigen::Matrix3d> average_rotations(int count, int first, const std::vector<RotationEdge>& edges,
                                                std::vector<bool>& reached);
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -7,12 +7,11 @@
 #include <vector>
 
 #include "core/geometry/geometry.h"
+#include "core/poses/tracks/track_tuning.h"
 #include "core/poses/tracks/tracks.h"
 #include "core/poses/tracks/triangulation.h"
 
-namespace ldp {
-
-constexpr double kLeastZ = 1e-3;  // of a point in camera axes that is still projected
+namespace ldp::sfm {
 
 struct Lens {
   double focal_px = 0, k1 = 0, k2 = 0;
@@ -37,7 +36,7 @@ struct Projection {
   bool in_front = false;
 };
 // Position undistorted to the plane z = 1.
-Eigen::Vector2d ray_of(const Eigen::Vector2d& position_px, const Lens& lens);
+Eigen::Vector2d undistorted_ray(const Eigen::Vector2d& position_px, const Lens& lens);
 
 Projection project_point(const Pose& camera, const Lens& lens, const InversePoint& point);
 
@@ -54,4 +53,4 @@ inline Distorted distort(const Eigen::Vector2d& n, double k1, double k2) {
 
 void add_point(const Track& track, const InversePoint& point, Bundle& bundle);
 
-}  // namespace ldp
+}  // namespace ldp::sfm

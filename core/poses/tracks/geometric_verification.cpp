@@ -4,15 +4,14 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 
-namespace ldp {
+#include "core/poses/tracks/track_tuning.h"
+
+namespace ldp::sfm {
 namespace {
 
-constexpr int kGlance = 300;           // strongest features that a quick look compares
-constexpr size_t kGlanceMatches = 12;  // and how many must match for a closer look
-
-std::vector<Match> agreeing(const Features& a, const Features& b, const std::vector<Match>& matches, size_t least,
-                            const PairOptions& options) {
-  if (matches.size() < least) return {};
+std::vector<Match> epipolar_inliers(const Features& a, const Features& b, const std::vector<Match>& matches,
+                                    size_t min_inliers, const TwoViewOptions& options) {
+  if (matches.size() < min_inliers) return {};
   std::vector<cv::Point2d> in_a, in_b;
   for (const Match& m : matches) {
     const Eigen::Vector2d &p = a.positions[static_cast<size_t>(m.a)], &q = b.positions[static_cast<size_t>(m.b)];
@@ -20,11 +19,11 @@ std::vector<Match> agreeing(const Features& a, const Features& b, const std::vec
     in_b.emplace_back(q.x(), q.y());
   }
   cv::UsacParams usac;
-  usac.confidence = 0.9999;
+  usac.confidence = kRansacConfidence;
   usac.isParallel = false;
-  usac.maxIterations = 2000;
+  usac.maxIterations = kMaxRansacIterations;
   usac.randomGeneratorState = static_cast<int>(options.seed);
-  usac.threshold = options.tolerance * std::max(a.width, a.height);
+  usac.threshold = options.max_epipolar_error * std::max(a.width, a.height);
   std::vector<uchar> mask;
   const cv::Mat f = cv::findFundamentalMat(in_a, in_b, mask, usac);
   std::vector<Match> kept;
@@ -32,19 +31,20 @@ std::vector<Match> agreeing(const Features& a, const Features& b, const std::vec
     if (mask[i]) kept.push_back(matches[i]);
   }
   const double share = static_cast<double>(kept.size()) / static_cast<double>(matches.size());
-  return kept.size() < least || share < options.least_share ? std::vector<Match>{} : kept;
+  return kept.size() < min_inliers || share < options.min_inlier_ratio ? std::vector<Match>{} : kept;
 }
 
 }  // namespace
 
-std::vector<Match> match_pair(const Features& a, const Features& b, bool neighbours, const PairOptions& options) {
+std::vector<Match> match_and_verify(const Features& a, const Features& b, bool neighbours,
+                                    const TwoViewOptions& options) {
   if (!neighbours) {
-    MatchOptions glance;
-    glance.most = kGlance;
-    if (match_features(a, b, glance).size() < kGlanceMatches) return {};
+    MatchOptions preview;
+    preview.max_features = kPreviewFeatures;
+    if (match_features(a, b, preview).size() < kMinPreviewMatches) return {};
   }
-  const int least = neighbours ? options.least_inliers : options.least_loop_inliers;
-  return agreeing(a, b, match_features(a, b, MatchOptions{}), static_cast<size_t>(least), options);
+  const int min_inliers = neighbours ? options.min_inliers : options.min_loop_closure_inliers;
+  return epipolar_inliers(a, b, match_features(a, b, MatchOptions{}), static_cast<size_t>(min_inliers), options);
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

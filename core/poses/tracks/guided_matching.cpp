@@ -8,15 +8,10 @@
 #include <numeric>
 #include <optional>
 
-namespace ldp {
-namespace {
+#include "core/poses/tracks/track_tuning.h"
 
-constexpr double kBand = 3;        // pixels of 800 that a match may miss the line of sight by
-constexpr double kNearest = 0.7;   // depth in radii from which things are looked for
-constexpr double kRatio = 0.85;    // of the distances to the best and the second best along the line
-constexpr double kLikeness = 0.6;  // the largest distance, of the descriptors' length
-constexpr double kTwin = 4;        // pixels of 800: a second best that near is the same thing
-constexpr double kOverlap = 0.8;   // of the field of view that two frames may be turned against each other
+namespace ldp::sfm {
+namespace {
 
 double squared_distance(const int16_t* a, const int16_t* b) {
   int sum = 0;
@@ -45,7 +40,8 @@ class GuidedMatcher {
   GuidedMatcher(const MatchedSweep& sweep, const Bundle& bundle) : sweep_(sweep), bundle_(bundle) {
     for (const Features& features : sweep.features) {
       Rays rays;
-      for (int i = 0; i < features.size(); ++i) rays.positions.push_back(ray_of(features.from_middle(i), bundle.lens));
+      for (int i = 0; i < features.size(); ++i)
+        rays.positions.push_back(undistorted_ray(features.centred(i), bundle.lens));
       rays.by_height.resize(rays.positions.size());
       std::iota(rays.by_height.begin(), rays.by_height.end(), 0);
       std::stable_sort(rays.by_height.begin(), rays.by_height.end(), [&](int p, int q) {
@@ -58,14 +54,14 @@ class GuidedMatcher {
   bool overlap(int a, int b) const {
     const double view = 2 * std::atan2(0.5 * sweep_.features[0].width, bundle_.lens.focal_px);
     const double cosine = camera(a).world_from_camera.col(2).dot(camera(b).world_from_camera.col(2));
-    return std::acos(std::clamp(cosine, -1.0, 1.0)) < kOverlap * view;
+    return std::acos(std::clamp(cosine, -1.0, 1.0)) < kMaxGuidedAngle * view;
   }
 
   // The best match of every feature of a, each feature of b at most once.
   std::vector<Match> match(int a, int b) const {
     std::map<int, Match> of_b;
     for (int i = 0; i < sweep_.features[static_cast<size_t>(a)].size(); ++i) {
-      const std::optional<Match> m = best_along(a, i, b);
+      const std::optional<Match> m = best_on_epipolar_line(a, i, b);
       if (!m) continue;
       const auto [place, added] = of_b.try_emplace(m->b, *m);
       if (!added && m->distance < place->second.distance) place->second = *m;
@@ -78,21 +74,21 @@ class GuidedMatcher {
  private:
   const Pose& camera(int frame) const { return bundle_.cameras[static_cast<size_t>(frame)]; }
 
-  // Where in b the line of sight of a feature of a runs, from kNearest to infinity.
-  std::optional<Segment> line_of_sight(int a, int feature, int b) const {
+  // The epipolar line in b of a feature of a, from kMinGuidedDepth to infinity.
+  std::optional<Segment> epipolar_segment(int a, int feature, int b) const {
     const Eigen::Matrix3d b_from_a = camera(b).world_from_camera.transpose() * camera(a).world_from_camera;
     const Eigen::Vector3d shift = camera(b).world_from_camera.transpose() * (camera(a).centre - camera(b).centre);
     const Eigen::Vector3d far =
         b_from_a * rays_[static_cast<size_t>(a)].positions[static_cast<size_t>(feature)].homogeneous();
-    const Eigen::Vector3d near = far + shift / kNearest;
+    const Eigen::Vector3d near = far + shift / kMinGuidedDepth;
     if (far.z() < 0.1 || near.z() < 0.1) return std::nullopt;
     return Segment{near.hnormalized(), far.hnormalized()};
   }
 
-  std::optional<Match> best_along(int a, int feature, int b) const {
-    const std::optional<Segment> line = line_of_sight(a, feature, b);
+  std::optional<Match> best_on_epipolar_line(int a, int feature, int b) const {
+    const std::optional<Segment> line = epipolar_segment(a, feature, b);
     if (!line) return std::nullopt;
-    const double pixel = sweep_.pixels(1) / bundle_.lens.focal_px, band = kBand * pixel;
+    const double pixel = sweep_.pixels(1) / bundle_.lens.focal_px, band = kEpipolarBand_px * pixel;
     const Rays& rays = rays_[static_cast<size_t>(b)];
     const auto height = [&](int i) { return rays.positions[static_cast<size_t>(i)].y(); };
     auto i =
@@ -107,13 +103,13 @@ class GuidedMatcher {
     }
     if (likes.empty()) return std::nullopt;
     const auto best = *std::min_element(likes.begin(), likes.end());
-    const double most = kLikeness * kDescriptorNorm;
+    const double most = kMaxDescriptorDistance * kDescriptorNorm;
     if (best.first > most * most) return std::nullopt;
     for (const auto& [distance, other] : likes) {
       const bool twin =
           (rays.positions[static_cast<size_t>(other)] - rays.positions[static_cast<size_t>(best.second)]).norm() <
-          kTwin * pixel;
-      if (!twin && best.first > kRatio * kRatio * distance) return std::nullopt;
+          kTwinFeature_px * pixel;
+      if (!twin && best.first > kGuidedRatio * kGuidedRatio * distance) return std::nullopt;
     }
     return Match{feature, best.second, static_cast<int>(best.first)};
   }
@@ -123,8 +119,8 @@ class GuidedMatcher {
   std::vector<Rays> rays_;
 };
 
-// What was known already stays, unless it speaks of a feature that the second look matched.
-void add_known(const std::vector<Match>& known, std::vector<Match>& matches) {
+// What was known already stays, unless it speaks of a feature that was matched anew.
+void merge_matches(const std::vector<Match>& known, std::vector<Match>& matches) {
   std::vector<int> in_a, in_b;
   for (const Match& m : matches) in_a.push_back(m.a), in_b.push_back(m.b);
   std::sort(in_a.begin(), in_a.end());
@@ -154,10 +150,10 @@ std::vector<PairMatches> match_guided(const MatchedSweep& sweep, const Bundle& b
     PairMatches& pair = pairs[static_cast<size_t>(i)];
     if (!dropped[static_cast<size_t>(pair.a)].empty() || !dropped[static_cast<size_t>(pair.b)].empty()) return;
     std::vector<Match> matches = matcher.match(pair.a, pair.b);
-    add_known(pair.matches, matches);
+    merge_matches(pair.matches, matches);
     pair.matches = std::move(matches);
   });
   return pairs;
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
-namespace ldp {
+namespace ldp::sfm {
 
 double MatchedSweep::pixels(double of_800) const {
   return of_800 * std::max(features[0].width, features[0].height) / 800;
 }
 
-bool believable(const InversePoint& point, double nearest) {
-  return point.inverse_distance < nearest && point.inverse_distance > kBeyond;
+bool is_plausible(const InversePoint& point, double nearest) {
+  return point.inverse_distance < nearest && point.inverse_distance > kMinInverseDistance;
 }
 
 // With all cameras in one place, every point is found at infinity.
@@ -18,15 +18,15 @@ std::vector<Sighting> sightings(const Track& track, const Bundle& bundle, bool a
   for (const Observation& o : track) {
     const Pose& pose = bundle.cameras[static_cast<size_t>(o.frame)];
     result.push_back({pose.world_from_camera.transpose(), at_infinity ? Eigen::Vector3d::Zero().eval() : pose.centre,
-                      ray_of(o.position_px, bundle.lens)});
+                      undistorted_ray(o.position_px, bundle.lens)});
   }
   return result;
 }
 
-std::vector<bool> agreeing_matches(const MatchedSweep& sweep, const Bundle& bundle, const PairMatches& pair,
-                                   double tolerance_px, bool at_infinity, double nearest) {
+std::vector<bool> inlier_matches(const MatchedSweep& sweep, const Bundle& bundle, const PairMatches& pair,
+                                 double tolerance_px, bool at_infinity, double nearest) {
   const auto observation = [&](int frame, int feature) {
-    return Observation{frame, feature, sweep.features[static_cast<size_t>(frame)].from_middle(feature)};
+    return Observation{frame, feature, sweep.features[static_cast<size_t>(frame)].centred(feature)};
   };
   const double tolerance = tolerance_px / bundle.lens.focal_px;
   std::vector<bool> agrees;
@@ -34,16 +34,16 @@ std::vector<bool> agreeing_matches(const MatchedSweep& sweep, const Bundle& bund
     const Track both{observation(pair.a, match.a), observation(pair.b, match.b)};
     const std::vector<Sighting> s = sightings(both, bundle, at_infinity);
     const std::optional<InversePoint> point = triangulate_point(s);
-    agrees.push_back(point && believable(*point, nearest) && sighting_error(*point, s[0]) < tolerance &&
-                     sighting_error(*point, s[1]) < tolerance);
+    agrees.push_back(point && is_plausible(*point, nearest) && normalised_error(*point, s[0]) < tolerance &&
+                     normalised_error(*point, s[1]) < tolerance);
   }
   return agrees;
 }
 
-double agreeing_share(const MatchedSweep& sweep, const Bundle& bundle, const PairMatches& pair, double tolerance_px,
-                      bool at_infinity) {
-  const std::vector<bool> agrees = agreeing_matches(sweep, bundle, pair, tolerance_px, at_infinity);
+double inlier_ratio(const MatchedSweep& sweep, const Bundle& bundle, const PairMatches& pair, double tolerance_px,
+                    bool at_infinity) {
+  const std::vector<bool> agrees = inlier_matches(sweep, bundle, pair, tolerance_px, at_infinity);
   return static_cast<double>(std::count(agrees.begin(), agrees.end(), true)) / static_cast<double>(agrees.size());
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

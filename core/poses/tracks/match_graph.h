@@ -1,13 +1,14 @@
-// A sweep as matching leaves it, and which of its matches agree with cameras.
+// The match graph: a sweep as matching leaves it, and which of its matches are inliers of cameras.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "core/poses/tracks/bundle.h"
+#include "core/poses/tracks/track_tuning.h"
 #include "core/poses/tracks/tracks.h"
 
-namespace ldp {
+namespace ldp::sfm {
 
 // What is known of a sweep before any camera is.
 struct MatchedSweep {
@@ -22,19 +23,17 @@ struct MatchedSweep {
   double pixels(double of_800) const;
 };
 
-constexpr double kNearest = 5, kBeyond = -0.1;  // inverse distances of points that are believed
-
-bool believable(const InversePoint& point, double nearest = kNearest);
+bool is_plausible(const InversePoint& point, double nearest = kMaxInverseDistance);
 
 // A track as its cameras see it. `at_infinity`: of points there, for which a camera's place does not matter.
 std::vector<Sighting> sightings(const Track& track, const Bundle& bundle, bool at_infinity = false);
 
-// Which of a pair's matches agree with the cameras within the tolerance, on a point no nearer than believed.
-std::vector<bool> agreeing_matches(const MatchedSweep& sweep, const Bundle& bundle, const PairMatches& pair,
-                                   double tolerance_px, bool at_infinity = false, double nearest = kNearest);
+// Which of a pair's matches agree with the cameras within the tolerance, on a point of plausible depth.
+std::vector<bool> inlier_matches(const MatchedSweep& sweep, const Bundle& bundle, const PairMatches& pair,
+                                 double tolerance_px, bool at_infinity = false, double nearest = kMaxInverseDistance);
 
-// How many of them, 0 .. 1.
-double agreeing_share(const MatchedSweep& sweep, const Bundle& bundle, const PairMatches& pair, double tolerance_px,
-                      bool at_infinity = false);
+// The share of inliers, 0 .. 1.
+double inlier_ratio(const MatchedSweep& sweep, const Bundle& bundle, const PairMatches& pair, double tolerance_px,
+                    bool at_infinity = false);
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -7,7 +7,7 @@
 #include "core/geometry/camera_motion.h"
 #include "core/poses/tracks/bundle.h"
 
-namespace ldp {
+namespace ldp::sfm {
 
 struct Reconstruction {
   Bundle bundle;                     // cameras by frame; those not posed keep the identity and have no observations
@@ -17,4 +17,4 @@ struct Reconstruction {
   bool closed = false;
 };
 
-}  // namespace ldp
+}  // namespace ldp::sfm

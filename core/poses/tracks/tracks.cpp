@@ -5,25 +5,26 @@
 #include <numeric>
 #include <tuple>
 
-namespace ldp {
+#include "core/poses/tracks/track_tuning.h"
+
+namespace ldp::sfm {
 namespace {
 
-constexpr double kSamePlace_px = 2;  // two features of a frame that near are one thing with two orientations or scales
-
-// Union-find over all features of all frames; every set keeps its members so that conflicts are seen before joining.
-class Sets {
+// Track merging: union-find over all features of all frames; every set keeps its members so that conflicts are seen
+// before joining.
+class TrackMerger {
  public:
-  explicit Sets(const std::vector<Features>& features) : features_(features) {
+  explicit TrackMerger(const std::vector<Features>& features) : features_(features) {
     for (const Features& f : features) {
       first_.push_back(static_cast<int>(parent_.size()));
       for (int i = 0; i < f.size(); ++i) {
-        members_.push_back({{static_cast<int>(first_.size()) - 1, i, f.from_middle(i)}});
+        members_.push_back({{static_cast<int>(first_.size()) - 1, i, f.centred(i)}});
         parent_.push_back(static_cast<int>(parent_.size()));
       }
     }
   }
 
-  void join(const Observation& a, const Observation& b) {
+  void merge(const Observation& a, const Observation& b) {
     int x = root(a), y = root(b);
     if (x == y || conflict(x, y)) return;
     if (members(x).size() < members(y).size()) std::swap(x, y);
@@ -32,7 +33,7 @@ class Sets {
     members(y).clear();
   }
 
-  // Sets that span at least two frames, one observation (the first detected, i.e. the strongest) per frame.
+  // TrackMerger that span at least two frames, one observation (the first detected, i.e. the strongest) per frame.
   std::vector<Track> tracks() const {
     std::vector<Track> result;
     for (std::vector<Observation> set : members_) {
@@ -61,14 +62,14 @@ class Sets {
     return i;
   }
 
-  const Eigen::Vector2d& place(const Observation& o) const {
+  const Eigen::Vector2d& position(const Observation& o) const {
     return features_[static_cast<size_t>(o.frame)].positions[static_cast<size_t>(o.feature)];
   }
 
   bool conflict(int x, int y) {
     for (const Observation& p : members(x)) {
       for (const Observation& q : members(y)) {
-        if (p.frame == q.frame && (place(p) - place(q)).norm() > kSamePlace_px) return true;
+        if (p.frame == q.frame && (position(p) - position(q)).norm() > kSameFeature_px) return true;
       }
     }
     return false;
@@ -95,9 +96,9 @@ std::vector<Track> build_tracks(const std::vector<Features>& features, const std
     return std::tie(p.distance, p.a.frame, p.b.frame, p.a.feature, p.b.feature) <
            std::tie(q.distance, q.a.frame, q.b.frame, q.a.feature, q.b.feature);
   });
-  Sets sets(features);
-  for (const Link& link : links) sets.join(link.a, link.b);
-  return sets.tracks();
+  TrackMerger merger(features);
+  for (const Link& link : links) merger.merge(link.a, link.b);
+  return merger.tracks();
 }
 
 std::vector<Track> longest_tracks(std::vector<Track> tracks, int frames, int per_frame) {
@@ -115,4 +116,4 @@ std::vector<Track> longest_tracks(std::vector<Track> tracks, int frames, int per
   return chosen;
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

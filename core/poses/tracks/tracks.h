@@ -7,7 +7,7 @@
 #include "core/poses/features/descriptor_matching.h"
 #include "core/poses/features/features.h"
 
-namespace ldp {
+namespace ldp::sfm {
 
 struct PairMatches {
   int a = 0, b = 0;  // frames
@@ -16,7 +16,7 @@ struct PairMatches {
 
 struct Observation {
   int frame = 0;
-  int feature = -1;                                       // -1: not a feature but followed (klt_tracking.h)
+  int feature = -1;                                       // -1: not a feature but tracked (klt_tracking.h)
   Eigen::Vector2d position_px = Eigen::Vector2d::Zero();  // in the photograph, from its middle
   double weight = 1;                                      // inverse deviation, against that of a feature
 };
@@ -30,4 +30,4 @@ std::vector<Track> build_tracks(const std::vector<Features>& features, const std
 // Longest tracks first, until every frame has its share.
 std::vector<Track> longest_tracks(std::vector<Track> tracks, int frames, int per_frame);
 
-}  // namespace ldp
+}  // namespace ldp::sfm

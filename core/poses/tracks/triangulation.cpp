@@ -7,11 +7,10 @@
 #include <limits>
 #include <numeric>
 
-namespace ldp {
-namespace {
+#include "core/poses/tracks/track_tuning.h"
 
-constexpr double kLeastDepth = 2e-3;  // of a point before a camera, as a share of its distance from the origin: nearer,
-                                      // it is in the camera
+namespace ldp::sfm {
+namespace {
 
 // cross(bearing, m - w c) = 0 for every sighting: the eigenvector of least eigenvalue.
 InversePoint triangulate_linearly(const std::vector<Sighting>& sightings) {
@@ -37,7 +36,7 @@ InversePoint triangulate_linearly(const std::vector<Sighting>& sightings) {
   return {h.head<3>() / length, h[3] / length};
 }
 
-// Gauss-Newton on reprojection; parameters are two turns of the direction and the inverse distance.
+// Gauss-Newton on reprojection; parameters are two rotations of the direction and the inverse distance.
 InversePoint refine_point(InversePoint point, const std::vector<Sighting>& sightings) {
   for (int i = 0; i < 5; ++i) {
     const Eigen::Vector3d e1 = point.direction.unitOrthogonal(), e2 = point.direction.cross(e1);
@@ -66,16 +65,16 @@ InversePoint refine_point(InversePoint point, const std::vector<Sighting>& sight
 
 }  // namespace
 
-double sighting_error(const InversePoint& point, const Sighting& sighting) {
+double normalised_error(const InversePoint& point, const Sighting& sighting) {
   const Eigen::Vector3d q = sighting.camera_from_world * point.seen_from(sighting.centre);
-  if (q.z() < kLeastDepth) return std::numeric_limits<double>::infinity();
+  if (q.z() < kMinDepthShare) return std::numeric_limits<double>::infinity();
   return (q.head<2>() / q.z() - sighting.position).norm();
 }
 
 std::optional<InversePoint> triangulate_point(const std::vector<Sighting>& sightings) {
   const InversePoint point = refine_point(triangulate_linearly(sightings), sightings);
   for (const Sighting& s : sightings) {
-    if (!(sighting_error(point, s) < std::numeric_limits<double>::infinity())) return std::nullopt;
+    if (!(normalised_error(point, s) < std::numeric_limits<double>::infinity())) return std::nullopt;
   }
   return point;
 }
@@ -91,7 +90,7 @@ std::optional<InversePoint> triangulate_point_robustly(const std::vector<Sightin
     size_t worst = 0;
     double error = 0;
     for (size_t i = 0; i < chosen.size(); ++i) {
-      const double e = sighting_error(point, chosen[i]);
+      const double e = normalised_error(point, chosen[i]);
       if (e > error) error = e, worst = i;
     }
     if (error <= tolerance) {
@@ -104,4 +103,4 @@ std::optional<InversePoint> triangulate_point_robustly(const std::vector<Sightin
   return std::nullopt;
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-namespace ldp {
+namespace ldp::sfm {
 
 struct InversePoint {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
@@ -27,7 +27,7 @@ struct Sighting {
 };
 
 // Distance on the plane z = 1 between where a point is seen and where it should be; infinite behind the camera.
-double sighting_error(const InversePoint& point, const Sighting& sighting);
+double normalised_error(const InversePoint& point, const Sighting& sighting);
 
 // Least squares over all sightings (at least two). None when they leave the point behind a camera.
 std::optional<InversePoint> triangulate_point(const std::vector<Sighting>& sightings);
@@ -37,4 +37,4 @@ std::optional<InversePoint> triangulate_point(const std::vector<Sighting>& sight
 std::optional<InversePoint> triangulate_point_robustly(const std::vector<Sighting>& sightings, double tolerance,
                                                        std::vector<bool>& used);
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -9,12 +9,12 @@
 
 #include "core/poses/features/corners.h"
 #include "core/poses/features/features.h"
-#include "core/poses/features/occupancy_grid.h"
+#include "core/poses/refine/occupancy_grid.h"
 #include "sim/scene/picture.h"
 #include "sim/scene/scenes.h"
 #include "sim/scene/sweep_path.h"
 
-namespace ldp {
+namespace ldp::sfm {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -56,8 +56,8 @@ TEST(FindCorners, KeepFromTheBorder) {
   EXPECT_THAT(find_corners(with_a_square(4, 4, 6), 4), testing::Not(testing::IsEmpty()));
 }
 
-TEST(Occupied, TellsWhatIsNearAnywhereInThePhoto) {
-  Occupied occupied(100, 80, 7);
+TEST(OccupancyGrid, TellsWhatIsNearAnywhereInThePhoto) {
+  OccupancyGrid occupied(100, 80, 7);
   occupied.add({-50, -40});
   occupied.add({50, 40});
   EXPECT_TRUE(occupied.near({-45.1, -40}));
@@ -120,7 +120,8 @@ struct KnownCameras {
   void add(size_t frame, const Eigen::Vector2d& p) {
     const Pose& pose = known.bundle.cameras[frame];
     const double w = 1 / depth(frame, p);
-    const Eigen::Vector3d m = pose.world_from_camera * ray_of(p, known.bundle.lens).homogeneous() + w * pose.centre;
+    const Eigen::Vector3d m =
+        pose.world_from_camera * undistorted_ray(p, known.bundle.lens).homogeneous() + w * pose.centre;
     const InversePoint point{m.normalized(), w / m.norm()};
     Track track;
     for (size_t i = 0; i < depths.size(); ++i) {
@@ -136,7 +137,7 @@ struct KnownCameras {
     Job job;
     job.threads = threads;
     Reconstruction r = known;
-    gather_corners(sweep, job, r);
+    add_corner_tracks(sweep, job, r);
     return r;
   }
 };
@@ -151,7 +152,7 @@ const Reconstruction& gathered() {
   return r;
 }
 
-TEST(GatherCorners, AddsManyThatThreePhotosShowWhereTheyAre) {
+TEST(AddCornerTracks, AddsManyThatThreePhotosShowWhereTheyAre) {
   const KnownCameras& truth = courtyard();
   const Reconstruction& r = gathered();
   const size_t first = truth.known.tracks.size();
@@ -170,14 +171,14 @@ TEST(GatherCorners, AddsManyThatThreePhotosShowWhereTheyAre) {
   for (size_t i = 0; i < first; ++i) EXPECT_EQ(r.bundle.points[i].direction, truth.known.bundle.points[i].direction);
 }
 
-TEST(GatherCorners, ObservationsAreOfTheirTracks) {
+TEST(AddCornerTracks, ObservationsAreOfTheirTracks) {
   const Reconstruction& r = gathered();
   std::vector<size_t> seen(r.tracks.size(), 0);
   for (const BundleObservation& o : r.bundle.observations) ++seen[static_cast<size_t>(o.point)];
   for (size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i], r.tracks[i].size());
 }
 
-TEST(GatherCorners, AddsNothingTwice) {
+TEST(AddCornerTracks, AddsNothingTwice) {
   const Reconstruction& r = gathered();
   const size_t first = courtyard().known.tracks.size();
   const double near = courtyard().sweep.pixels(3);
@@ -192,7 +193,7 @@ TEST(GatherCorners, AddsNothingTwice) {
   }
 }
 
-TEST(GatherCorners, GivesTheSameAtAnyThreadCount) {
+TEST(AddCornerTracks, GivesTheSameAtAnyThreadCount) {
   const Reconstruction other = courtyard().gathered(4);
   ASSERT_EQ(other.tracks.size(), gathered().tracks.size());
   for (size_t i = 0; i < other.tracks.size(); ++i) {
@@ -202,4 +203,4 @@ TEST(GatherCorners, GivesTheSameAtAnyThreadCount) {
 }
 
 }  // namespace
-}  // namespace ldp
+}  // namespace ldp::sfm

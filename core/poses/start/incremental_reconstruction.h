@@ -10,17 +10,17 @@
 
 #include "core/poses/start/initialisation.h"
 
-namespace ldp {
+namespace ldp::sfm {
 
-struct GeneralStart {
+struct IncrementalResult {
   Bundle bundle;
   std::vector<bool> posed;  // by frame
 };
 
 // The best over several focal lengths (around the prior's if there is one), `likely` among them; none when no two
 // frames make a beginning.
-std::optional<GeneralStart> general_start(const MatchedSweep& sweep, const std::vector<Track>& tracks,
-                                          const std::optional<FocalPrior>& prior, double likely_focal_px,
-                                          const Job& job);
+std::optional<IncrementalResult> reconstruct_incrementally(const MatchedSweep& sweep, const std::vector<Track>& tracks,
+                                                           const std::optional<FocalPrior>& prior,
+                                                           double likely_focal_px, const Job& job);
 
-}  // namespace ldp
+}  // namespace ldp::sfm

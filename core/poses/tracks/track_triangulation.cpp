@@ -1,39 +1,38 @@
-#include "core/poses/tracks/point_placement.h"
+#include "core/poses/tracks/track_triangulation.h"
 
 #include <algorithm>
 #include <optional>
 
 #include "core/poses/tracks/match_graph.h"
+#include "core/poses/tracks/track_tuning.h"
 
-namespace ldp {
+namespace ldp::sfm {
 namespace {
 
-constexpr double kGuess = 0.2;  // inverse distance of a point that cannot be triangulated yet
-
-bool contradicted(const std::vector<bool>& used) {
+bool mostly_outliers(const std::vector<bool>& used) {
   const size_t agreeing = static_cast<size_t>(std::count(used.begin(), used.end(), true));
   return used.size() > 2 && 2 * agreeing <= used.size();
 }
 
 }  // namespace
 
-void place_all(const std::vector<Track>& tracks, Bundle& bundle) {
+void triangulate_tracks(const std::vector<Track>& tracks, Bundle& bundle) {
   bundle.points.clear();
   bundle.observations.clear();
   for (const Track& track : tracks) {
     const std::vector<Sighting> s = sightings(track, bundle);
     std::optional<InversePoint> point = triangulate_point(s);
-    if (!point || !believable(*point)) {
+    if (!point || !is_plausible(*point)) {
       const Sighting& middle = s[s.size() / 2];
       const Eigen::Vector3d ray = middle.camera_from_world.transpose() * middle.position.homogeneous().normalized();
-      point = InversePoint{(ray + kGuess * middle.centre).normalized(), kGuess};
+      point = InversePoint{(ray + kDefaultInverseDistance * middle.centre).normalized(), kDefaultInverseDistance};
     }
     add_point(track, *point, bundle);
   }
 }
 
-std::vector<Track> place_good(const std::vector<Track>& tracks, double tolerance_px, bool at_infinity, Bundle& bundle,
-                              const Job& job) {
+std::vector<Track> triangulate_inliers(const std::vector<Track>& tracks, double tolerance_px, bool at_infinity,
+                                       Bundle& bundle, const Job& job) {
   struct Placed {
     std::optional<InversePoint> point;
     std::vector<bool> used;
@@ -52,7 +51,7 @@ std::vector<Track> place_good(const std::vector<Track>& tracks, double tolerance
   bundle.observations.clear();
   std::vector<Track> kept;
   for (size_t i = 0; i < tracks.size(); ++i) {
-    if (!placed[i].point || !believable(*placed[i].point) || contradicted(placed[i].used)) continue;
+    if (!placed[i].point || !is_plausible(*placed[i].point) || mostly_outliers(placed[i].used)) continue;
     Track good;
     for (size_t j = 0; j < tracks[i].size(); ++j) {
       if (placed[i].used[j]) good.push_back(tracks[i][j]);
@@ -64,4 +63,4 @@ std::vector<Track> place_good(const std::vector<Track>& tracks, double tolerance
   return kept;
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

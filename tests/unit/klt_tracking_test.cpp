@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace ldp {
+namespace ldp::sfm {
 namespace {
 
 double uniform(std::mt19937& random, double low, double high) {
@@ -57,11 +57,11 @@ struct ShiftedPictures {
 
   static Eigen::Vector2d shift(int frame) { return frame * Eigen::Vector2d(0.37, -0.23); }
 
-  std::vector<Track> followed() const { return follow_points(pictures, tracks, bundle, FollowOptions{}, Job{}); }
+  std::vector<Track> tracked() const { return track_points(pictures, tracks, bundle, KltOptions{}, Job{}); }
 };
 
-TEST(FollowPoints, FindsAllFramesToAFractionOfAPixel) {
-  const std::vector<Track> tracks = ShiftedPictures(0).followed();
+TEST(TrackPoints, FindsAllFramesToAFractionOfAPixel) {
+  const std::vector<Track> tracks = ShiftedPictures(0).tracked();
   int found = 0;
   for (const Track& track : tracks) {
     for (size_t i = 1; i < track.size(); ++i) {
@@ -88,17 +88,17 @@ double error_of(const std::vector<Track>& tracks) {
   return std::sqrt(sum / count);
 }
 
-TEST(FollowPoints, MoreOfAPlaneEvensOutItsNoise) {
-  EXPECT_LT(error_of(ShiftedPictures(20, Noisy::all).followed()), 0.34);
+TEST(TrackPoints, MoreOfAPlaneEvensOutItsNoise) {
+  EXPECT_LT(error_of(ShiftedPictures(20, Noisy::all).tracked()), 0.34);
 }
 
-TEST(FollowPoints, OnlyWhatMovesAlikeIsFollowed) {
-  EXPECT_LT(error_of(ShiftedPictures(0, Noisy::all, Displaced::islands).followed()), 0.05);
+TEST(TrackPoints, OnlyWhatMovesAlikeIsFollowed) {
+  EXPECT_LT(error_of(ShiftedPictures(0, Noisy::all, Displaced::islands).tracked()), 0.05);
 }
 
-TEST(FollowPoints, AnAnchorIsNoSurerThanWhatIsFound) {
+TEST(TrackPoints, AnAnchorIsNoSurerThanWhatIsFound) {
   int followed = 0;
-  for (const Track& track : ShiftedPictures(12).followed()) {
+  for (const Track& track : ShiftedPictures(12).tracked()) {
     if (track.size() != ShiftedPictures::kFrames) continue;
     ++followed;
     for (const Observation& o : track) EXPECT_GE(o.weight, track[ShiftedPictures::kAnchor].weight);
@@ -107,4 +107,4 @@ TEST(FollowPoints, AnAnchorIsNoSurerThanWhatIsFound) {
 }
 
 }  // namespace
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -1,17 +1,18 @@
-// Places taken in one photo, to tell at once whether another is near any of them.
+// Positions taken in one photo, to tell at once whether another is near any of them (non-maximum suppression, duplicate
+// tracks).
 #pragma once
 
 #include <Eigen/Core>
 #include <algorithm>
 #include <vector>
 
-namespace ldp {
+namespace ldp::sfm {
 
 // Places are in pixels from the photo's middle. Cells are as wide as places are near, with one more all around, so that
 // all that is near lies in nine of them.
-class Occupied {
+class OccupancyGrid {
  public:
-  Occupied(int width, int height, double near_px)
+  OccupancyGrid(int width, int height, double near_px)
       : near_px_(near_px),
         width_(width),
         height_(height),
@@ -43,4 +44,4 @@ class Occupied {
   std::vector<std::vector<Eigen::Vector2d>> cells_;
 };
 
-}  // namespace ldp
+}  // namespace ldp::sfm

@@ -1,22 +1,16 @@
-#include "core/poses/start/incremental_start.h"
+#include "core/poses/start/incremental_reconstruction.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
-#include "core/poses/tracks/point_placement.h"
 
-namespace ldp {
+#include "core/poses/start/start_tuning.h"
+#include "core/poses/tracks/track_triangulation.h"
+
+namespace ldp::sfm {
 namespace {
-
-constexpr double kTolerance = 4;          // pixels of 800
-constexpr size_t kLeastShared = 15;       // points that a new frame must share with those already posed
-constexpr size_t kCandidates = 12;        // pairs looked at for the beginning
-constexpr double kWantedParallax = 0.05;  // radians, median of the pair's points, that make a good beginning
-constexpr double kAnywhere = 1e3;         // sigma of the arc prior: only fixes what nothing else does
-constexpr int kPerFrame = 100;            // observations per frame while frames are added
-constexpr int kTellFocal = 5;             // frames from which the focal length is adjusted with them
 
 Eigen::Matrix3d eigen(const cv::Mat& m) {
   Eigen::Matrix3d result;
@@ -33,23 +27,23 @@ struct Pair {
   double score = 0;
 };
 
-class Incremental {
+class IncrementalReconstruction {
  public:
-  Incremental(const MatchedSweep& sweep, const std::vector<Track>& tracks, double focal, const FocalPrior& prior,
-              const Job& job)
+  IncrementalReconstruction(const MatchedSweep& sweep, const std::vector<Track>& tracks, double focal,
+                            const FocalPrior& prior, const Job& job)
       : sweep_(sweep), tracks_(tracks), job_(job), prior_(prior) {
     start_.bundle.lens.focal_px = focal;
     start_.bundle.cameras.resize(static_cast<size_t>(sweep.frames()));
     start_.posed.assign(static_cast<size_t>(sweep.frames()), false);
   }
 
-  std::optional<GeneralStart> run() {
-    const Pair pair = beginning();
+  std::optional<IncrementalResult> run() {
+    const Pair pair = initial_pair();
     if (pair.score <= 0) return std::nullopt;
-    pose(pair.a, Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero());
-    pose(pair.b, pair.b_from_a, pair.translation);
-    adjust_posed();
-    while (add_next()) adjust_posed();
+    register_frame(pair.a, Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero());
+    register_frame(pair.b, pair.b_from_a, pair.translation);
+    adjust_registered();
+    while (register_next_frame()) adjust_registered();
     return std::move(start_);
   }
 
@@ -61,14 +55,14 @@ class Incremental {
   }
   bool posed(int frame) const { return start_.posed[static_cast<size_t>(frame)]; }
 
-  void pose(int frame, const Eigen::Matrix3d& camera_from_world, const Eigen::Vector3d& translation) {
+  void register_frame(int frame, const Eigen::Matrix3d& camera_from_world, const Eigen::Vector3d& translation) {
     bundle().cameras[static_cast<size_t>(frame)] = {camera_from_world.transpose(),
                                                     -camera_from_world.transpose() * translation};
     start_.posed[static_cast<size_t>(frame)] = true;
   }
 
   // Of the pairs with most matches, the one with most points of good parallax.
-  Pair beginning() const {
+  Pair initial_pair() const {
     std::vector<const PairMatches*> pairs;
     for (const PairMatches& pair : sweep_.pairs) pairs.push_back(&pair);
     std::stable_sort(pairs.begin(), pairs.end(),
@@ -76,8 +70,8 @@ class Incremental {
     Pair best;
     // Neighbours have the most matches and the least parallax: look at every so many of the list, not at its head
     // alone.
-    const size_t step = std::max<size_t>(1, pairs.size() / (2 * kCandidates));
-    for (size_t i = 0; i < std::min(pairs.size(), kCandidates * step); i += step) {
+    const size_t step = std::max<size_t>(1, pairs.size() / (2 * kInitialPairCandidates));
+    for (size_t i = 0; i < std::min(pairs.size(), kInitialPairCandidates * step); i += step) {
       job_.check();
       const Pair pair = relative_pose(*pairs[i]);
       if (pair.score > best.score) best = pair;
@@ -88,14 +82,14 @@ class Incremental {
   Pair relative_pose(const PairMatches& matches) const {
     std::vector<cv::Point2d> in_a, in_b;
     for (const Match& m : matches.matches) {
-      const Eigen::Vector2d p = sweep_.features[static_cast<size_t>(matches.a)].from_middle(m.a);
-      const Eigen::Vector2d q = sweep_.features[static_cast<size_t>(matches.b)].from_middle(m.b);
+      const Eigen::Vector2d p = sweep_.features[static_cast<size_t>(matches.a)].centred(m.a);
+      const Eigen::Vector2d q = sweep_.features[static_cast<size_t>(matches.b)].centred(m.b);
       in_a.emplace_back(p.x(), p.y());
       in_b.emplace_back(q.x(), q.y());
     }
     cv::Mat mask, r, t;
-    const cv::Mat e =
-        cv::findEssentialMat(in_a, in_b, camera(), cv::RANSAC, 0.999, sweep_.pixels(0.5 * kTolerance), 500, mask);
+    const cv::Mat e = cv::findEssentialMat(in_a, in_b, camera(), cv::RANSAC, kIncrementalConfidence,
+                                           sweep_.pixels(0.5 * kIncrementalTolerance_px), kEssentialIterations, mask);
     if (e.rows != 3 || e.cols != 3) return {};
     const int good = cv::recoverPose(e, in_a, in_b, camera(), r, t, mask);
     Pair pair{matches.a, matches.b, eigen(r), Eigen::Vector3d(t.at<double>(0), t.at<double>(1), t.at<double>(2)), 0};
@@ -107,10 +101,10 @@ class Incremental {
       const Eigen::Vector3d b = Eigen::Vector3d(in_b[i].x / focal, in_b[i].y / focal, 1).normalized();
       parallax.push_back(std::atan2(a.cross(b).norm(), a.dot(b)));
     }
-    if (parallax.size() < 2 * kLeastShared) return {};
+    if (parallax.size() < 2 * kMinSharedPoints) return {};
     std::nth_element(parallax.begin(), parallax.begin() + static_cast<std::ptrdiff_t>(parallax.size() / 2),
                      parallax.end());
-    pair.score = good * std::min(1.0, parallax[parallax.size() / 2] / kWantedParallax);
+    pair.score = good * std::min(1.0, parallax[parallax.size() / 2] / kInitialPairParallax_rad);
     return pair;
   }
 
@@ -126,17 +120,17 @@ class Incremental {
     return result;
   }
 
-  void adjust_posed() {
+  void adjust_registered() {
     normalise();
-    const std::vector<Track> chosen = longest_tracks(seen(), sweep_.frames(), kPerFrame);
-    place_good(chosen, sweep_.pixels(3 * kTolerance), false, bundle(), job_);
-    BundleOptions options;
-    options.arc_sigma = kAnywhere;
-    options.refine_focal = std::count(start_.posed.begin(), start_.posed.end(), true) >= kTellFocal;
+    const std::vector<Track> chosen = longest_tracks(seen(), sweep_.frames(), kIncrementalObservationsPerFrame);
+    triangulate_inliers(chosen, sweep_.pixels(3 * kIncrementalTolerance_px), false, bundle(), job_);
+    BundleAdjustmentOptions options;
+    options.arc_sigma = kFreeArcSigma;
+    options.refine_focal = std::count(start_.posed.begin(), start_.posed.end(), true) >= kMinFramesForFocal;
     options.focal_prior = prior_;
-    options.loss_px = sweep_.pixels(0.5 * kTolerance);
-    options.most_iterations = 10;
-    adjust(bundle(), options, job_);
+    options.loss_px = sweep_.pixels(0.5 * kIncrementalTolerance_px);
+    options.max_iterations = kIncrementalAdjustmentSteps;
+    adjust_bundle(bundle(), options, job_);
   }
 
   void normalise() {
@@ -153,14 +147,14 @@ class Incremental {
   }
 
   // The frame that shares most points with those posed, by perspective from points. False when none shares enough.
-  bool add_next() {
+  bool register_next_frame() {
     std::vector<std::vector<cv::Point3d>> points(start_.posed.size());
     std::vector<std::vector<cv::Point2d>> places(start_.posed.size());
     for (const Track& track : tracks_) {
       const auto waiting =
           std::any_of(track.begin(), track.end(), [&](const Observation& o) { return !posed(o.frame); });
       if (!waiting) continue;
-      const std::optional<InversePoint> point = place(track);
+      const std::optional<InversePoint> point = triangulate(track);
       if (!point) continue;
       const Eigen::Vector3d p = point->direction / std::max(point->inverse_distance, 1e-3);
       for (const Observation& o : track) {
@@ -172,81 +166,85 @@ class Incremental {
     for (;;) {
       const auto most = std::max_element(points.begin(), points.end(),
                                          [](const auto& a, const auto& b) { return a.size() < b.size(); });
-      if (most->size() < kLeastShared) return false;
+      if (most->size() < kMinSharedPoints) return false;
       const size_t frame = static_cast<size_t>(most - points.begin());
       cv::Mat turn, translation, inliers, r;
       const bool found =
-          cv::solvePnPRansac(points[frame], places[frame], camera(), cv::noArray(), turn, translation, false, 300,
-                             static_cast<float>(sweep_.pixels(2 * kTolerance)), 0.999, inliers, cv::SOLVEPNP_EPNP);
-      if (found && inliers.rows >= static_cast<int>(kLeastShared) / 2) {
+          cv::solvePnPRansac(points[frame], places[frame], camera(), cv::noArray(), turn, translation, false,
+                             kPnpIterations, static_cast<float>(sweep_.pixels(2 * kIncrementalTolerance_px)),
+                             kIncrementalConfidence, inliers, cv::SOLVEPNP_EPNP);
+      if (found && inliers.rows >= static_cast<int>(kMinSharedPoints) / 2) {
         cv::Rodrigues(turn, r);
-        pose(static_cast<int>(frame), eigen(r),
-             {translation.at<double>(0), translation.at<double>(1), translation.at<double>(2)});
+        register_frame(static_cast<int>(frame), eigen(r),
+                       {translation.at<double>(0), translation.at<double>(1), translation.at<double>(2)});
         return true;
       }
       points[frame].clear();
     }
   }
 
-  std::optional<InversePoint> place(const Track& track) const {
+  std::optional<InversePoint> triangulate(const Track& track) const {
     std::vector<Sighting> sightings;
     for (const Observation& o : track) {
       if (!posed(o.frame)) continue;
       const Pose& p = start_.bundle.cameras[static_cast<size_t>(o.frame)];
-      sightings.push_back({p.world_from_camera.transpose(), p.centre, ray_of(o.position_px, start_.bundle.lens)});
+      sightings.push_back(
+          {p.world_from_camera.transpose(), p.centre, undistorted_ray(o.position_px, start_.bundle.lens)});
     }
     if (sightings.size() < 2) return std::nullopt;
     std::vector<bool> used;
-    return triangulate_point_robustly(sightings, sweep_.pixels(kTolerance) / start_.bundle.lens.focal_px, used);
+    return triangulate_point_robustly(sightings, sweep_.pixels(kIncrementalTolerance_px) / start_.bundle.lens.focal_px,
+                                      used);
   }
 
   const MatchedSweep& sweep_;
   const std::vector<Track>& tracks_;
   const Job& job_;
   FocalPrior prior_;
-  GeneralStart start_;
+  IncrementalResult start_;
 };
 
-struct Outcome {
-  std::optional<GeneralStart> start;
+struct Attempt {
+  std::optional<IncrementalResult> start;
   size_t held = 0;  // observations that agree
 };
 
 }  // namespace
 
-std::optional<GeneralStart> general_start(const MatchedSweep& sweep, const std::vector<Track>& tracks,
-                                          const std::optional<FocalPrior>& prior, double likely_focal_px,
-                                          const Job& job) {
+std::optional<IncrementalResult> reconstruct_incrementally(const MatchedSweep& sweep, const std::vector<Track>& tracks,
+                                                           const std::optional<FocalPrior>& prior,
+                                                           double likely_focal_px, const Job& job) {
   const double longer = std::max(sweep.features[0].width, sweep.features[0].height);
-  const FocalPrior weak = prior.value_or(FocalPrior{0.9 * longer, 0.5});
+  const FocalPrior weak = prior.value_or(generic_focal_prior(sweep));
   std::vector<double> focals{0.55 * longer, 0.75 * longer, 1.0 * longer, 1.4 * longer};
   if (prior) focals = {0.9 * prior->focal_px, prior->focal_px, 1.1 * prior->focal_px};
   focals.push_back(likely_focal_px);
-  std::vector<Outcome> outcomes(focals.size());
+  std::vector<Attempt> attempts(focals.size());
   Job alone = job;  // of each candidate
   alone.threads = 1;
   parallel_for(job, static_cast<int>(focals.size()), [&](int i) {
-    Outcome& outcome = outcomes[static_cast<size_t>(i)];
-    outcome.start = Incremental(sweep, tracks, focals[static_cast<size_t>(i)], weak, alone).run();
-    if (!outcome.start) return;
+    Attempt& attempt = attempts[static_cast<size_t>(i)];
+    attempt.start = IncrementalReconstruction(sweep, tracks, focals[static_cast<size_t>(i)], weak, alone).run();
+    if (!attempt.start) return;
     std::vector<Track> seen;
     for (Track track : tracks) {
-      std::erase_if(track, [&](const Observation& o) { return !outcome.start->posed[static_cast<size_t>(o.frame)]; });
+      std::erase_if(track, [&](const Observation& o) { return !attempt.start->posed[static_cast<size_t>(o.frame)]; });
       if (track.size() >= 2) seen.push_back(std::move(track));
     }
-    Bundle& bundle = outcome.start->bundle;
-    BundleOptions options;
-    options.arc_sigma = kAnywhere;
+    Bundle& bundle = attempt.start->bundle;
+    BundleAdjustmentOptions options;
+    options.arc_sigma = kFreeArcSigma;
     options.focal_prior = weak;
-    options.loss_px = sweep.pixels(0.5 * kTolerance);
-    place_good(longest_tracks(seen, sweep.frames(), kPerFrame), sweep.pixels(3 * kTolerance), false, bundle, alone);
-    adjust(bundle, options, alone);
-    place_good(seen, sweep.pixels(kTolerance), false, bundle, alone);
-    outcome.held = bundle.observations.size();
+    options.loss_px = sweep.pixels(0.5 * kIncrementalTolerance_px);
+    triangulate_inliers(longest_tracks(seen, sweep.frames(), kIncrementalObservationsPerFrame),
+                        sweep.pixels(3 * kIncrementalTolerance_px), false, bundle, alone);
+    adjust_bundle(bundle, options, alone);
+    triangulate_inliers(seen, sweep.pixels(kIncrementalTolerance_px), false, bundle, alone);
+    attempt.held = bundle.observations.size();
   });
-  const auto best = std::max_element(outcomes.begin(), outcomes.end(),
-                                     [](const Outcome& a, const Outcome& b) { return a.held < b.held; });
+  const auto best = std::max_element(attempts.begin(), attempts.end(),
+                                     [](const Attempt& a, const Attempt& b) { return a.held < b.held; });
   return best->start;
 }
 
-}  // namespace ldp
+}  // namespace ldp::sfm

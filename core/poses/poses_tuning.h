@@ -1,0 +1,50 @@
+// Tuned constants of the pose stage as a whole. "Pixels of 800" are those of a photo whose longer side has 800.
+#pragma once
+
+#include <cstddef>
+
+namespace ldp::sfm {
+
+constexpr double kFovLogSigma = 0.15;      // of the logarithm of a focal length that someone told
+constexpr double kExifLogSigma = 0.05;     // of one that EXIF tells
+constexpr int kWorkingSide_px = 1000;      // longer side of what is kept of a photo
+constexpr double kMaxPointDistance = 1e4;  // radii, or spreads of known cameras: points are put no farther
+
+// Order of the reconstruction (reconstruct.h).
+constexpr int kMinPosedFrames = 3;
+constexpr int kMinFrameObservations = 12;  // that hold a frame in place
+constexpr double kWideArcGain = 1.1;       // >= 1: by so much more must cameras off the circle explain
+constexpr double kIncrementalGain = 1.2;   // >= 1: by so much more must incremental reconstruction explain
+constexpr double kRestartGain = 1.05;      // the same where it turns out to be an arc after all
+constexpr double kMinExplainedShare = 1 / kIncrementalGain;  // of the observations, else other motion is tried
+constexpr double kMinConnectedInlierRatio = 0.3;             // 0 .. 1, of a pair's matches must agree
+constexpr double kConnectedTolerance_px = 12;       // within so many pixels of 800 for it to connect its frames
+constexpr double kMaxOutlierPairShare = 0.05;       // of all matches may be in pairs that do not
+constexpr size_t kRichObservationsPerFrame = 1000;  // that make guided matching needless
+constexpr double kMinKeptShare = 0.9;     // of the inliers among matches, that an iteration on tracks by KLT must keep
+constexpr int kMaxKltIterations = 4;      // at the wider tolerance, until the focal length
+constexpr double kFocalConverged = 5e-4;  // changes by no more than this share
+
+// Known cameras.
+constexpr double kKnownCameraTolerance = 0.005;  // of the longer side: given cameras may be a centimetre off
+constexpr int kKnownCameraNeighbours = 4;        // that each frame is matched with, nearest line of sight first
+constexpr double kKnownCameraOverlap = 1.8;      // of half the diagonal view, between axes of frames that are matched
+constexpr int kMinJudgedMatches = 50;            // below which nothing is said of the cameras
+constexpr double kMinAgreement = 0.25;           // 0 .. 1, of the matches, with cameras that are not doubted
+constexpr double kMinTurnedAgreement = 0.5;      // 0 .. 1, of the matches, with cameras whose axes are turned round
+constexpr double kMaxUprightShare = 0.8;         // of that, with the cameras as given
+constexpr double kStillQuantile = 0.98, kStillParallax_px = 0.5;  // of all points: nothing shows more at one place
+
+// Doubts (pose_doubt.h).
+constexpr double kDoubtTolerance_px = 4;    // pixels of 800 that a match may miss the poses by
+constexpr int kDoubtSequenceDistance = 2;   // frames between photos of a pair; farther ones share little, and repeated
+                                            // things pass for matches there though the poses are true
+constexpr size_t kMinDoubtMatches = 30;     // of a pair, from which its disagreement tells something
+constexpr double kMinPairAgreement = 0.5;   // 0 .. 1, of a pair's matches with the poses
+constexpr int kMinBridgingPoints = 12;      // that tie a photo to those before it
+constexpr int kBridgeSequenceDistance = 4;  // photos before and after that count for it
+constexpr int kFirmlyObserved = 8;          // points seen before, in and after a photo, that tie its two steps together
+constexpr double kSameViewAngle = 0.25;     // of the field of view: photos turned by less show the same
+constexpr double kSamePlaceShare = 0.1;     // of the distance of points in the median: and stand nearer than this
+
+}  // namespace ldp::sfm
