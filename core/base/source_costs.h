@@ -10,10 +10,10 @@ struct ColourCosts {
   virtual int width() const = 0;
   virtual int height() const = 0;
   virtual bool wraps() const = 0;
-  virtual int frames() const = 0;  // may exceed 16; at most 255
+  virtual int frames() const = 0;  // 1 .. kMostSources
   // Candidates of one pixel: up to 16 frames by rising index, with their angle in 1/64 degree as cost. Calls from
   // several threads at once are allowed.
-  virtual int candidates(int x, int y, uint8_t frame[16], uint16_t cost[16]) const = 0;
+  virtual int candidates(int x, int y, uint16_t frame[16], uint16_t cost[16]) const = 0;
   virtual uint8_t depth_label(int x, int y) const = 0;
   virtual bool present(int x, int y) const = 0;
 };

@@ -15,6 +15,7 @@
 
 #include "core/base/job.h"
 #include "core/base/source_costs.h"
+#include "core/base/source_map.h"
 #include "core/geometry/disparity.h"
 #include "core/geometry/geometry.h"
 #include "core/geometry/visibility_map.h"
@@ -24,8 +25,6 @@
 #include "core/photos/upright_frame.h"
 
 namespace ldp {
-
-constexpr uint8_t kNoSource = 255;
 
 // The photographs that are asked what they show of a pixel, beside its own: those taken just before and after it (of a
 // closed sweep, too, the first has none before it).
@@ -55,12 +54,12 @@ class SourceCandidates final : public ColourCosts {
   int height() const override { return grid_.height; }
   bool wraps() const override { return grid_.wraps; }
   int frames() const override { return static_cast<int>(frames_.size()); }
-  int candidates(int x, int y, uint8_t frame[16], uint16_t cost[16]) const override;
+  int candidates(int x, int y, uint16_t frame[16], uint16_t cost[16]) const override;
   uint8_t depth_label(int x, int y) const override;
   bool present(int x, int y) const override { return layer_.at(x, y) != kNoDisparity; }
 
   // Of each pixel that is taken from photograph `source`: which of those beside it see the voxel too, by witness_bit.
-  Plane<uint8_t> witnesses(const Plane<uint8_t>& source, const Job& job) const;
+  Plane<uint8_t> witnesses(const SourceMap& source, const Job& job) const;
 
  private:
   struct Seen {
@@ -70,14 +69,14 @@ class SourceCandidates final : public ColourCosts {
   Seen look(size_t frame, double x_px, double y_px, double inverse_z, bool through) const;
   void find_facing(int x);
   struct Candidate {
-    uint8_t frame = 0;
+    uint16_t frame = 0;
     int cost = -1;  // negative: does not see the voxel
     uint8_t grey = 0, tint = 0;
   };
-  Candidate candidate(uint8_t frame, int x, int y, double w, bool through) const;
+  Candidate candidate(uint16_t frame, int x, int y, double w, bool through) const;
   uint8_t witnesses_of(int x, int y, int own) const;
   static void doubt_odd_ones(double cost_per_level, Candidate* begin, Candidate* end);
-  int collect(int x, int y, bool through, uint8_t frame[16], uint16_t cost[16]) const;
+  int collect(int x, int y, bool through, uint16_t frame[16], uint16_t cost[16]) const;
 
   const PanoramaGrid& grid_;
   const DisparityMap& layer_;
@@ -85,8 +84,8 @@ class SourceCandidates final : public ColourCosts {
   const std::vector<VisibilityMap>* visibility_;  // null = nothing hides anything
   ColourOptions options_;
   std::vector<VoxelProjection> projections_;
-  std::vector<Heading> headings_;             // of column centres
-  std::vector<std::vector<uint8_t>> facing_;  // frames that may see a column, nearest to its rays first
+  std::vector<Heading> headings_;              // of column centres
+  std::vector<std::vector<uint16_t>> facing_;  // frames that may see a column, nearest to its rays first
 };
 
 // What colours are read from. cameras[i] belongs to frames.load(frame_of_camera[i]).
@@ -100,7 +99,7 @@ struct Photographs {
 // One layer's choice of photographs (kNoSource = none) and where its colours go.
 struct ColourTask {
   const DisparityMap* disparity = nullptr;
-  const Plane<uint8_t>* source = nullptr;
+  const SourceMap* source = nullptr;
   RgbImage* colour = nullptr;                 // sized like the grid
   const Plane<uint8_t>* witnesses = nullptr;  // of each pixel; null = every pixel's own photograph alone
 };

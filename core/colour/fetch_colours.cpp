@@ -22,13 +22,22 @@ constexpr int kSameSurface = kDisparitySteps / (kLabels - 1);
 // are millions.
 struct SeamPixel {
   uint16_t x = 0;  // no file is wider
-  uint8_t other = 0, side = 0;
+  uint16_t other : 14 = 0, side : 2 = 0;
   std::array<int16_t, 3> seen{};
 };
 
 std::array<int16_t, 3> narrowed(const Colour& c) {
   const auto channel = [](int v) { return static_cast<int16_t>(std::clamp(v, INT16_MIN, INT16_MAX)); };
   return {channel(c[0]), channel(c[1]), channel(c[2])};
+}
+
+SeamPixel seam_pixel(int x, int other, int side, const Colour& seen) {
+  SeamPixel pixel;
+  pixel.x = static_cast<uint16_t>(x);
+  pixel.other = other & kMostSources;
+  pixel.side = side & 3;
+  pixel.seen = narrowed(seen);
+  return pixel;
 }
 
 Rgb stored(const Colour& c) {
@@ -42,7 +51,8 @@ Rgb stored(const Colour& c) {
 struct Voxel {
   int x = 0, y = 0;
   double w = 0;  // inverse depth
-  uint8_t source = 0, witnesses = 0;
+  int source = 0;
+  uint8_t witnesses = 0;
 
   bool seen_by(int photo) const {
     const int offset = photo - source;
@@ -116,9 +126,9 @@ class LayerFetch {
   }
 
   // Adds by how much each witness is brighter than photograph `index`, where a cell is taken from it.
-  void compare(const OpenPhotographs& open, const BrightnessDifferences& cells, uint8_t index, int column, int row,
+  void compare(const OpenPhotographs& open, const BrightnessDifferences& cells, int index, int column, int row,
                std::array<std::vector<Colour>, kWitnesses>& samples) const {
-    const int end_x = std::min(cells.begin_x(column + 1), spans_[index].end);
+    const int end_x = std::min(cells.begin_x(column + 1), span_of(index).end);
     for (int y = cells.begin_y(row); y < cells.begin_y(row + 1); y += kCompareEvery)
       for (int x = cells.begin_x(column); x < end_x; x += kCompareEvery) {
         if (task_.source->at(x, y) != index) continue;
@@ -132,11 +142,12 @@ class LayerFetch {
   }
 
   // What is taken from photograph `index`.
-  void fetch_row(const OpenPhotographs& open, const BrightnessDifferences& differences, uint8_t index, int y) {
-    const uint8_t* source = task_.source->row(y);
-    for (int x = spans_[index].begin; x < spans_[index].end; ++x) {
-      if (source[x] == kNoSource) continue;
-      const bool own = source[x] == index;
+  void fetch_row(const OpenPhotographs& open, const BrightnessDifferences& differences, int index, int y) {
+    const Span span = span_of(index);
+    for (int x = span.begin; x < span.end; ++x) {
+      const int source = task_.source->at(x, y);
+      if (source == kNoSource) continue;
+      const bool own = source == index;
       const auto side = own ? std::nullopt : side_of(x, y, index);
       if (!own && !side) continue;
       const Voxel voxel = at(x, y);
@@ -144,7 +155,7 @@ class LayerFetch {
       if (own)
         task_.colour->at(x, y) = stored(c);
       else
-        seams_of_row_[static_cast<size_t>(y)].push_back({static_cast<uint16_t>(x), index, *side, narrowed(c)});
+        seams_of_row_[static_cast<size_t>(y)].push_back(seam_pixel(x, index, *side, c));
     }
   }
 
@@ -154,7 +165,7 @@ class LayerFetch {
         const Rgb c = task_.colour->at(p.x, y);
         const Colour step = {p.seen[0] - c.r * kColourSteps, p.seen[1] - c.g * kColourSteps,
                              p.seen[2] - c.b * kColourSteps};
-        visit({p.x, y, task_.source->at(p.x, y), p.other, p.side, step});
+        visit({p.x, y, task_.source->at(p.x, y), p.other, static_cast<uint8_t>(p.side), step});
       }
   }
 
@@ -168,17 +179,20 @@ class LayerFetch {
             task_.witnesses ? task_.witnesses->at(x, y) : uint8_t{0}};
   }
 
+  Span span_of(int index) const {
+    return static_cast<size_t>(index) < spans_.size() ? spans_[static_cast<size_t>(index)] : Span{};
+  }
+
   // The columns in which each photograph is taken, and one more on either side.
   void find_spans() {
-    spans_.fill({grid_.width, 0});
-    for (int y = 0; y < grid_.height; ++y) {
-      const uint8_t* source = task_.source->row(y);
+    for (int y = 0; y < grid_.height; ++y)
       for (int x = 0; x < grid_.width; ++x) {
-        Span& span = spans_[source[x]];
-        span.begin = std::min(span.begin, x);
-        span.end = std::max(span.end, x + 1);
+        if (task_.source->at(x, y) == kNoSource) continue;
+        const auto source = static_cast<size_t>(task_.source->at(x, y));
+        if (source >= spans_.size()) spans_.resize(source + 1, {grid_.width, 0});
+        spans_[source].begin = std::min(spans_[source].begin, x);
+        spans_[source].end = std::max(spans_[source].end, x + 1);
       }
-    }
     for (Span& span : spans_) {
       if (span.begin >= span.end) continue;
       const bool across = grid_.wraps && (span.begin == 0 || span.end == grid_.width);
@@ -187,13 +201,13 @@ class LayerFetch {
   }
 
   // On which side of a pixel (kSides) the same surface is taken from photograph `index`.
-  std::optional<uint8_t> side_of(int x, int y, uint8_t index) const {
+  std::optional<uint8_t> side_of(int x, int y, int index) const {
     const int d = task_.disparity->at(x, y);
     for (uint8_t side = 0; side < 4; ++side) {
       int nx = x + kSides[side][0];
       const int ny = y + kSides[side][1];
       if (grid_.wraps) nx = (nx + grid_.width) % grid_.width;
-      if (!task_.source->contains(nx, ny) || task_.source->at(nx, ny) != index) continue;
+      if (!task_.disparity->contains(nx, ny) || task_.source->at(nx, ny) != index) continue;
       if (std::abs(task_.disparity->at(nx, ny) - d) < kSameSurface) return side;
     }
     return {};
@@ -201,11 +215,11 @@ class LayerFetch {
 
   const PanoramaGrid& grid_;
   ColourTask task_;
-  std::array<Span, 256> spans_;
+  std::vector<Span> spans_;  // up to the last photograph that is taken
   std::vector<std::vector<SeamPixel>> seams_of_row_;
 };
 
-void compare_with_witnesses(const OpenPhotographs& open, const std::vector<LayerFetch>& layers, uint8_t index,
+void compare_with_witnesses(const OpenPhotographs& open, const std::vector<LayerFetch>& layers, int index,
                             const Job& job, BrightnessDifferences& differences) {
   differences.clear();
   parallel_for(job, differences.rows(), [&](int row) {
@@ -230,14 +244,14 @@ void read_photographs(const PanoramaGrid& grid, const Photographs& photographs, 
     job.report("colour", static_cast<double>(next) / (cameras + kBeside + 1));
     const int index = next - kBeside - 1;
     open.close(index - kBeside - 1);
-    if (index >= 0) compare_with_witnesses(open, layers, static_cast<uint8_t>(index), job, differences);
+    if (index >= 0) compare_with_witnesses(open, layers, index, job, differences);
     parallel_for(job, index >= 0 ? 1 + strips : 1, [&](int task) {
       if (task == 0) {
         if (next < cameras) open.load(next);
         return;
       }
       for (int y = (task - 1) * kRowsAtOnce; y < std::min(grid.height, task * kRowsAtOnce); ++y)
-        for (LayerFetch& layer : layers) layer.fetch_row(open, differences, static_cast<uint8_t>(index), y);
+        for (LayerFetch& layer : layers) layer.fetch_row(open, differences, index, y);
     });
   }
 }

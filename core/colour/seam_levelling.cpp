@@ -18,7 +18,7 @@ struct Link {
 };
 
 struct Node {
-  uint8_t source = 0;
+  int source = 0;
   int pixels = 0;
   std::vector<Link> links;
   std::array<double, 3> offset{};
@@ -34,7 +34,7 @@ class OffsetField {
         rows_((grid.height + cell_px - 1) / cell_px),
         nodes_(static_cast<size_t>(columns_) * static_cast<size_t>(rows_)) {}
 
-  void count(const Plane<uint8_t>& source) {
+  void count(const SourceMap& source) {
     for (int y = 0; y < grid_.height; ++y)
       for (int x = 0; x < grid_.width; ++x)
         if (source.at(x, y) != kNoSource) ++index(cell_of(x, y), source.at(x, y)).pixels;
@@ -74,7 +74,7 @@ class OffsetField {
   }
 
   // Offset of one photograph at a pixel: bilinear between the cells that hold it.
-  std::array<double, 3> at(int x, int y, uint8_t source) const {
+  std::array<double, 3> at(int x, int y, int source) const {
     const double cx = (x + 0.5) / cell_px_ - 0.5, cy = (y + 0.5) / cell_px_ - 0.5;
     const int x0 = static_cast<int>(std::floor(cx)), y0 = static_cast<int>(std::floor(cy));
     std::array<double, 3> sum{};
@@ -102,14 +102,14 @@ class OffsetField {
     return cell_of((s.x + step[0] + grid_.width) % grid_.width, s.y + step[1]);
   }
 
-  Node& index(size_t c, uint8_t source) {
+  Node& index(size_t c, int source) {
     for (Node& node : nodes_[c])
       if (node.source == source) return node;
     nodes_[c].push_back({.source = source, .pixels = 0, .links = {}, .offset = {}});
     return nodes_[c].back();
   }
 
-  int find(size_t c, uint8_t source) const {
+  int find(size_t c, int source) const {
     for (size_t i = 0; i < nodes_[c].size(); ++i)
       if (nodes_[c][i].source == source) return first_[c] + static_cast<int>(i);
     return -1;
@@ -120,7 +120,7 @@ class OffsetField {
     return nodes_[c][static_cast<size_t>(number - first_[c])];
   }
 
-  const Node* node_near(int column, int row, uint8_t source) const {
+  const Node* node_near(int column, int row, int source) const {
     if (grid_.wraps) column = (column + columns_) % columns_;
     if (column < 0 || row < 0 || column >= columns_ || row >= rows_) return nullptr;
     for (const Node& n : nodes_[cell(column, row)])
@@ -191,7 +191,7 @@ void even_seams(const PanoramaGrid& grid, const std::vector<ColourTask>& tasks, 
   for (const ColourTask& task : tasks)
     parallel_for(job, grid.height, [&](int y) {
       for (int x = 0; x < grid.width; ++x) {
-        const uint8_t source = task.source->at(x, y);
+        const int source = task.source->at(x, y);
         if (source == kNoSource) continue;
         const auto offset = field.at(x, y, source);
         Rgb& c = task.colour->at(x, y);

@@ -18,8 +18,9 @@ constexpr int kSides[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};  // steps in x 
 // At a pixel of photograph `own`, beside one of photograph `other`, on the same surface: what `other` shows there.
 struct SeamSample {
   int x = 0, y = 0;
-  uint8_t own = 0, other = 0, side = 0;  // where `other` begins: an index of kSides
-  Colour step{};                         // other minus own
+  int own = 0, other = 0;
+  uint8_t side = 0;  // where `other` begins: an index of kSides
+  Colour step{};     // other minus own
 };
 
 // Calls what it is given for each sample, in any order that does not depend on threads.

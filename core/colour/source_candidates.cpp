@@ -68,11 +68,11 @@ SourceCandidates::SourceCandidates(const PanoramaGrid& grid, const DisparityMap&
 
 void SourceCandidates::find_facing(int x) {
   const Heading h = headings_[static_cast<size_t>(x)];
-  std::vector<std::pair<double, uint8_t>> frames;
+  std::vector<std::pair<double, uint16_t>> frames;
   for (size_t i = 0; i < projections_.size(); ++i) {
     const auto u = projections_[i].column(h);
     const bool far = u.forward > kBehindCamera, near = projections_[i].forward(u, grid_.w_near) > kBehindCamera;
-    if (far || near) frames.emplace_back(std::abs(projections_[i].aside(h)), static_cast<uint8_t>(i));
+    if (far || near) frames.emplace_back(std::abs(projections_[i].aside(h)), static_cast<uint16_t>(i));
   }
   std::sort(frames.begin(), frames.end());
   auto& facing = facing_[static_cast<size_t>(x)];
@@ -101,7 +101,7 @@ SourceCandidates::Seen SourceCandidates::look(size_t frame, double x_px, double 
   return {true, mixed};
 }
 
-SourceCandidates::Candidate SourceCandidates::candidate(uint8_t frame, int x, int y, double w, bool through) const {
+SourceCandidates::Candidate SourceCandidates::candidate(uint16_t frame, int x, int y, double w, bool through) const {
   const VoxelProjection& projection = projections_[frame];
   const auto u = projection.column(headings_[static_cast<size_t>(x)]);
   const double forward = projection.forward(u, w);
@@ -123,16 +123,16 @@ SourceCandidates::Candidate SourceCandidates::candidate(uint8_t frame, int x, in
           interpolated(frames_[frame].tint, x_px, y_px)};
 }
 
-int SourceCandidates::candidates(int x, int y, uint8_t frame[16], uint16_t cost[16]) const {
+int SourceCandidates::candidates(int x, int y, uint16_t frame[16], uint16_t cost[16]) const {
   const int count = collect(x, y, false, frame, cost);
   return count == 0 && options_.guess_hidden ? collect(x, y, true, frame, cost) : count;
 }
 
-int SourceCandidates::collect(int x, int y, bool through, uint8_t frame[16], uint16_t cost[16]) const {
+int SourceCandidates::collect(int x, int y, bool through, uint16_t frame[16], uint16_t cost[16]) const {
   const double w = grid_.inverse_depth(layer_.at(x, y));
   std::array<Candidate, kMaxCandidates> found;
   int count = 0;
-  for (const uint8_t i : facing_[static_cast<size_t>(x)]) {
+  for (const uint16_t i : facing_[static_cast<size_t>(x)]) {
     if (count == kMaxCandidates) break;
     const Candidate c = candidate(i, x, y, w, through);
     if (c.cost < 0) continue;
@@ -153,17 +153,17 @@ uint8_t SourceCandidates::witnesses_of(int x, int y, int own) const {
   const double w = grid_.inverse_depth(layer_.at(x, y));
   int bits = 0;
   for (int other = std::max(0, own - kBeside); other <= std::min(frames() - 1, own + kBeside); ++other)
-    if (other != own && candidate(static_cast<uint8_t>(other), x, y, w, false).cost >= 0)
+    if (other != own && candidate(static_cast<uint16_t>(other), x, y, w, false).cost >= 0)
       bits |= 1 << witness_bit(other - own);
   return static_cast<uint8_t>(bits);
 }
 
 // A few columns at a time: they are few columns of the frames, too.
-Plane<uint8_t> SourceCandidates::witnesses(const Plane<uint8_t>& source, const Job& job) const {
-  Plane<uint8_t> seen_by(source.width, source.height, 0);
-  parallel_for(job, (source.width + kColumnsAtOnce - 1) / kColumnsAtOnce, [&](int strip) {
-    const int begin = strip * kColumnsAtOnce, end = std::min(source.width, begin + kColumnsAtOnce);
-    for (int y = 0; y < source.height; ++y)
+Plane<uint8_t> SourceCandidates::witnesses(const SourceMap& source, const Job& job) const {
+  Plane<uint8_t> seen_by(source.width(), source.height(), 0);
+  parallel_for(job, (source.width() + kColumnsAtOnce - 1) / kColumnsAtOnce, [&](int strip) {
+    const int begin = strip * kColumnsAtOnce, end = std::min(source.width(), begin + kColumnsAtOnce);
+    for (int y = 0; y < source.height(); ++y)
       for (int x = begin; x < end; ++x)
         if (source.at(x, y) != kNoSource) seen_by.at(x, y) = witnesses_of(x, y, source.at(x, y));
   });

@@ -318,21 +318,22 @@ class Build {
       ColourSolveOptions solving;
       solving.iterations = kIterations;
       solving.cycles = kCycles;
-      Labelling labelling = solve_colour(candidates, solving, job_);
+      ColourSolve solved = solve_colour(candidates, solving, job_);
       const std::string name = "colour layer " + std::to_string(k + 1);
-      report_.solves.push_back({name, labelling.report});
-      pictures_.sources("sources layer " + std::to_string(k + 1), labelling.labels);
-      drop_colourless(labelling.labels, layers_[k]);
-      witnesses_.push_back(candidates.witnesses(labelling.labels, job_));
-      sources_.push_back(std::move(labelling.labels));
+      report_.solves.push_back({name, solved.report});
+      pictures_.sources("sources layer " + std::to_string(k + 1), solved.sources);
+      drop_colourless(solved.sources, layers_[k]);
+      witnesses_.push_back(candidates.witnesses(solved.sources, job_));
+      sources_.push_back(std::move(solved.sources));
     }
     std::vector<VisibilityMap>().swap(visibility_);
     watch_.lap("colour cut");
   }
 
-  static void drop_colourless(const Plane<uint8_t>& source, DisparityMap& layer) {
-    for (size_t i = 0; i < layer.samples.size(); ++i)
-      if (source.samples[i] == kNoSource) layer.samples[i] = kNoDisparity;
+  static void drop_colourless(const SourceMap& source, DisparityMap& layer) {
+    for (int y = 0; y < layer.height; ++y)
+      for (int x = 0; x < layer.width; ++x)
+        if (source.at(x, y) == kNoSource) layer.at(x, y) = kNoDisparity;
   }
 
   BuildResult assemble() {
@@ -380,9 +381,10 @@ class Build {
       if (layer.samples[i] != kNoDisparity && layer.samples[i] > farthest.samples[i]) layer.samples[i] = kNoDisparity;
   }
 
-  static void drop_sources(const DisparityMap& layer, Plane<uint8_t>& source) {
-    for (size_t i = 0; i < layer.samples.size(); ++i)
-      if (layer.samples[i] == kNoDisparity) source.samples[i] = kNoSource;
+  static void drop_sources(const DisparityMap& layer, SourceMap& source) {
+    for (int y = 0; y < layer.height; ++y)
+      for (int x = 0; x < layer.width; ++x)
+        if (layer.at(x, y) == kNoDisparity) source.set(x, y, kNoSource);
   }
 
   // Surfaces less than two codes apart are one to a renderer.
@@ -422,7 +424,7 @@ class Build {
   }
 
   void hold_against_photographs(const LayeredPanorama& panorama) {
-    std::vector<Plane<uint8_t>>().swap(sources_);
+    std::vector<SourceMap>().swap(sources_);
     std::vector<Plane<uint8_t>>().swap(witnesses_);
     std::vector<DisparityMap>().swap(layers_);
     AgreementSink sink;
@@ -457,11 +459,12 @@ class Build {
   bool tried_scratch_ = false;
   int columns_of_colour_ = 1;  // to each of the columns in which depths are found
   std::vector<UprightFrame> upright_;
-  bool last_ = true;                                 // is this the last iteration?
-  std::vector<DisparityMap> layers_, found_;         // of the last iteration that ended, of the present one
-  std::vector<VisibilityMap> visibility_;            // of all layers; empty for one far layer
-  std::vector<Plane<uint8_t>> sources_, witnesses_;  // of the colours
-  std::vector<Gain> gains_;                          // of the photos
+  bool last_ = true;                          // is this the last iteration?
+  std::vector<DisparityMap> layers_, found_;  // of the last iteration that ended, of the present one
+  std::vector<VisibilityMap> visibility_;     // of all layers; empty for one far layer
+  std::vector<SourceMap> sources_;            // of the colours
+  std::vector<Plane<uint8_t>> witnesses_;
+  std::vector<Gain> gains_;  // of the photos
 };
 
 }  // namespace

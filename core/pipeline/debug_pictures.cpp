@@ -34,15 +34,16 @@ void DebugPictures::disparity(const std::string& name, const DisparityMap& dispa
   write(name, encode_png(image));
 }
 
-void DebugPictures::sources(const std::string& name, const Plane<uint8_t>& sources) const {
+void DebugPictures::sources(const std::string& name, const SourceMap& sources) const {
   if (!wanted()) return;
-  RgbImage image(sources.width, sources.height);
-  for (size_t i = 0; i < image.samples.size(); ++i) {
-    const unsigned s = sources.samples[i];
-    if (s != 255)
-      image.samples[i] = {static_cast<uint8_t>(60 + s * 97 % 196), static_cast<uint8_t>(60 + s * 57 % 196),
+  RgbImage image(sources.width(), sources.height());
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const int s = sources.at(x, y);
+      if (s != kNoSource)
+        image.at(x, y) = {static_cast<uint8_t>(60 + s * 97 % 196), static_cast<uint8_t>(60 + s * 57 % 196),
                           static_cast<uint8_t>(60 + s * 151 % 196)};
-  }
+    }
   write(name, encode_png(image));
 }
 

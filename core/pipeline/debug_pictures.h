@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/plane.h"
+#include "core/base/source_map.h"
 #include "core/geometry/disparity.h"
 #include "core/geometry/visibility_map.h"
 #include "core/panorama/panorama.h"
@@ -19,7 +20,7 @@ class DebugPictures {
   void labels(const std::string& name, const Plane<uint8_t>& labels,
               int largest) const;                                                  // grey; above `largest`: black
   void disparity(const std::string& name, const DisparityMap& disparity) const;    // absent: dark blue
-  void sources(const std::string& name, const Plane<uint8_t>& sources) const;      // one hue a frame, absent: black
+  void sources(const std::string& name, const SourceMap& sources) const;           // one hue a frame, absent: black
   void agreement(const std::string& name, const Plane<uint8_t>& agreement) const;  // a colour a class; agrees: white
   void colour(const std::string& name, const RgbImage& colour) const;
   void visibility(const std::string& name, const std::vector<VisibilityMap>& maps) const;

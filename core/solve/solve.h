@@ -17,6 +17,7 @@
 #include "core/base/job.h"
 #include "core/base/plane.h"
 #include "core/base/source_costs.h"
+#include "core/base/source_map.h"
 
 namespace ldp {
 
@@ -70,8 +71,13 @@ struct ColourSolveOptions {
   int passes = 0;  // 0: 2 on small grids, else 1
 };
 
-// Gives the source frame of every present pixel (255 where absent or unseen). Pixels without a candidate have no edges;
+struct ColourSolve {
+  SourceMap sources;  // kNoSource where absent or unseen
+  SolveReport report;
+};
+
+// Gives the source frame of every present pixel. Pixels without a candidate have no edges;
 // of two candidates whose indices differ by a multiple of 16 only the cheaper is considered.
-Labelling solve_colour(const ColourCosts& costs, const ColourSolveOptions& options, const Job& job);
+ColourSolve solve_colour(const ColourCosts& costs, const ColourSolveOptions& options, const Job& job);
 
 }  // namespace ldp

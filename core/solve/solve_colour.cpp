@@ -12,10 +12,10 @@ namespace ldp::solve {
 namespace {
 
 constexpr int kAnglesPerDegree = 64;
-constexpr uint8_t kNoFrame = 255;
-constexpr int kSixteenths = 16;  // energy units are given in sixteenths per cost step
+constexpr uint8_t kNoFrame = 255;  // where there is no candidate
+constexpr int kSixteenths = 16;    // energy units are given in sixteenths per cost step
 
-// A frame's slot is its index modulo 16.
+// A frame's slot is its index modulo 16, its position the index modulo 256.
 class ColourSource final : public GridSource {
  public:
   ColourSource(const ColourCosts& costs, int units_in_sixteenths) : costs_(costs), units_(units_in_sixteenths) {}
@@ -37,7 +37,7 @@ class ColourSource final : public GridSource {
   static constexpr int kCeiling = 4096;  // above the pixel's least cost; no such slot is in a best labelling
 
   void load_pixel(int gx, int gy, int p, PixelTerms& terms) const {
-    uint8_t frame[kSlots];
+    uint16_t frame[kSlots];
     uint16_t angle[kSlots];
     const auto pixel = static_cast<size_t>(p);
     uint16_t* cost = terms.cost.data() + pixel * kSlots;
@@ -57,7 +57,7 @@ class ColourSource final : public GridSource {
       const int above = std::min(in_units(angle[i] - least), kCeiling);
       if (above >= cost[slot]) continue;
       cost[slot] = static_cast<uint16_t>(above);
-      position[slot] = frame[i];
+      position[slot] = static_cast<uint8_t>(frame[i]);
     }
   }
   int in_units(int angle) const { return (angle * units_ + kSixteenths / 2) / kSixteenths; }
@@ -73,6 +73,27 @@ int units_in_sixteenths(const ColourSolveOptions& options) {
   return std::clamp(static_cast<int>(kWidestPair * kSixteenths / widest), 1, 256);
 }
 
+// The cheapest candidate at that position, kNoSource where there is none.
+int source_at(const ColourCosts& costs, int x, int y, uint8_t position) {
+  uint16_t frame[kSlots];
+  uint16_t cost[kSlots];
+  const int count = costs.present(x, y) ? costs.candidates(x, y, frame, cost) : 0;
+  int best = -1;
+  for (int i = 0; i < count; ++i)
+    if (static_cast<uint8_t>(frame[i]) == position && (best < 0 || cost[i] < cost[best])) best = i;
+  return best < 0 ? kNoSource : frame[best];
+}
+
+// From positions, which tell the frames apart where there are no more of them than positions.
+SourceMap sources_at(const ColourCosts& costs, Plane<uint8_t> positions, const Job& job) {
+  if (costs.frames() <= SourceMap::kMostNarrow) return SourceMap(std::move(positions));
+  SourceMap sources(positions.width, positions.height, costs.frames());
+  parallel_for(job, positions.height, [&](int y) {
+    for (int x = 0; x < positions.width; ++x) sources.set(x, y, source_at(costs, x, y, positions.at(x, y)));
+  });
+  return sources;
+}
+
 }  // namespace
 }  // namespace ldp::solve
 
@@ -80,8 +101,9 @@ namespace ldp {
 
 using namespace solve;
 
-Labelling solve_colour(const ColourCosts& costs, const ColourSolveOptions& options, const Job& job) {
-  if (costs.frames() < 1 || costs.frames() > 255) throw std::logic_error("solve_colour: frames must lie in 1 .. 255");
+ColourSolve solve_colour(const ColourCosts& costs, const ColourSolveOptions& options, const Job& job) {
+  if (costs.frames() < 1 || costs.frames() > kMostSources)
+    throw std::logic_error("solve_colour: frames must lie in 1 .. 16383");
   if (costs.wraps() && costs.width() < 4) throw std::logic_error("solve_colour: a grid that wraps is at least 4 wide");
   const int units = units_in_sixteenths(options);
   const int step = std::max(1, static_cast<int>(std::lround(options.lambda * kAnglesPerDegree * units / kSixteenths)));
@@ -91,7 +113,7 @@ Labelling solve_colour(const ColourCosts& costs, const ColourSolveOptions& optio
       solve_windows(source, smoothness,
                     {options.core_px, options.margin_px, options.iterations, options.cycles, options.passes}, job);
   const double degrees = static_cast<double>(kSixteenths) / (units * kAnglesPerDegree);
-  return {std::move(solved.taken.positions), report_of(solved, degrees)};
+  return {sources_at(costs, std::move(solved.taken.positions), job), report_of(solved, degrees)};
 }
 
 }  // namespace ldp

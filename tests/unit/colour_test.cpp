@@ -34,8 +34,7 @@ TEST(SourceCandidates, TheNearestCameraIsTheCheapest) {
   const std::vector<UprightFrame> frames = {upright_of(camera_at(0.2), 0), upright_of(camera_at(0), 1),
                                             upright_of(camera_at(-0.1), 2)};
   const SourceCandidates candidates(grid, layer, frames, {}, {});
-  uint8_t frame[16];
-  uint16_t cost[16];
+  uint16_t frame[16], cost[16];
   ASSERT_EQ(candidates.candidates(50, 30, frame, cost), 3);
   EXPECT_TRUE(std::is_sorted(frame, frame + 3));
   EXPECT_LT(cost[1], cost[2]);
@@ -49,8 +48,7 @@ TEST(SourceCandidates, CostIsTheAngleBetweenTheRays) {
   options.off_axis_deg = 0;
   const std::vector<UprightFrame> frames = {upright_of(camera_at(0.2), 0)};
   const SourceCandidates candidates(grid, layer, frames, {}, options);
-  uint8_t frame[16];
-  uint16_t cost[16];
+  uint16_t frame[16], cost[16];
   ASSERT_EQ(candidates.candidates(50, 30, frame, cost), 1);
   const double theta = grid.theta(50.5);
   const Eigen::Vector3d ray = grid.direction(theta, grid.v(30.5));
@@ -64,8 +62,7 @@ TEST(SourceCandidates, AHiddenVoxelHasNoCandidateUnlessGuessed) {
   const DisparityMap layer(grid.width, grid.height, 0);
   const std::vector<UprightFrame> frames = {upright_of(camera_at(0), 0)};
   const std::vector<VisibilityMap> maps = {map_of(frames[0], 5000)};
-  uint8_t frame[16];
-  uint16_t cost[16];
+  uint16_t frame[16], cost[16];
   EXPECT_EQ(SourceCandidates(grid, layer, frames, maps, {}).candidates(50, 30, frame, cost), 0);
   ColourOptions guess;
   guess.guess_hidden = true;
@@ -77,7 +74,7 @@ TEST(SourceCandidates, ASampleBesideANearerSurfaceCostsMore) {
   const DisparityMap layer(grid.width, grid.height, 0);
   const std::vector<UprightFrame> frames = {upright_of(camera_at(0), 0)};
   std::vector<VisibilityMap> maps = {map_of(frames[0], 1)};
-  uint8_t frame[16];
+  uint16_t frame[16];
   uint16_t clean[16], mixed[16];
   ASSERT_EQ(SourceCandidates(grid, layer, frames, maps, {}).candidates(50, 30, frame, clean), 1);
   for (int column = 71; column < 80; ++column)  // the voxel falls on column 70
@@ -97,8 +94,7 @@ std::array<uint16_t, 3> costs_of_three(uint8_t grey, uint8_t odd_grey, uint8_t o
     std::fill(greys.begin(), greys.end(), i == 1 ? odd_grey : grey);
     std::fill(tints.begin(), tints.end(), i == 1 ? odd_tint : uint8_t{128});
   }
-  uint8_t frame[16];
-  uint16_t cost[16] = {};
+  uint16_t frame[16], cost[16] = {};
   EXPECT_EQ(SourceCandidates(grid, layer, frames, {}, {}).candidates(50, 30, frame, cost), 3);
   return {cost[0], cost[1], cost[2]};
 }
@@ -119,7 +115,7 @@ TEST(SourceCandidates, TwoThatDifferDoNotOutvoteEachOther) {
   const PanoramaGrid grid = simple_grid(0.5);
   const DisparityMap layer(grid.width, grid.height, kNearSteps);
   std::vector<UprightFrame> frames = {upright_of(camera_at(0.1), 0), upright_of(camera_at(-0.1), 1)};
-  uint8_t frame[16];
+  uint16_t frame[16];
   uint16_t same[16], differing[16];
   ASSERT_EQ(SourceCandidates(grid, layer, frames, {}, {}).candidates(50, 30, frame, same), 2);
   std::fill(frames[1].columns.samples.begin(), frames[1].columns.samples.end(), uint8_t{200});
@@ -133,8 +129,7 @@ TEST(SourceCandidates, OfManyCamerasTheEightNearestToTheRayStayInOrder) {
   std::vector<UprightFrame> frames;
   for (int i = 0; i < 24; ++i) frames.push_back(upright_of(camera_at(0.24 - 0.02 * i), i));
   const SourceCandidates candidates(grid, layer, frames, {}, {});
-  uint8_t frame[16];
-  uint16_t cost[16];
+  uint16_t frame[16], cost[16];
   ASSERT_EQ(candidates.candidates(50, 30, frame, cost), 8);
   EXPECT_TRUE(std::is_sorted(frame, frame + 8));
   EXPECT_NEAR(frame[0], 8, 1);
@@ -152,7 +147,7 @@ RgbImage ramp() {
 TEST(FetchColours, ReadsAPhotographWhereTheCameraProjectsTheVoxel) {
   const PanoramaGrid grid = simple_grid(0.5);
   const DisparityMap layer(grid.width, grid.height, kNearSteps);
-  const Plane<uint8_t> source(grid.width, grid.height, 0);
+  const SourceMap source(Plane<uint8_t>(grid.width, grid.height, 0));
   RgbImage colour(grid.width, grid.height);
   const FramesInMemory frames({ramp()});
   std::vector<Camera> cameras = {camera_at(0.05)};
@@ -170,7 +165,7 @@ TEST(FetchColours, ReadsAPhotographWhereTheCameraProjectsTheVoxel) {
 TEST(FetchColours, AppliesTheGainOfEachChannel) {
   const PanoramaGrid grid = simple_grid(0.5);
   const DisparityMap layer(grid.width, grid.height, 0);
-  const Plane<uint8_t> source(grid.width, grid.height, 0);
+  const SourceMap source(Plane<uint8_t>(grid.width, grid.height, 0));
   RgbImage colour(grid.width, grid.height);
   const FramesInMemory frames({RgbImage(140, 80, {100, 100, 50})});
   const std::vector<Camera> cameras = {camera_at(0)};
@@ -257,8 +252,8 @@ TEST(Witnesses, AreThePhotographsBesideAPixelsOwnThatSeeItsVoxel) {
   }
   frames.push_back(upright_of(camera_at(2.5), 6));  // looks elsewhere
   maps.push_back(map_of(frames.back(), 0));
-  Plane<uint8_t> source(grid.width, grid.height, kNoSource);
-  source.at(50, 30) = 1, source.at(51, 30) = 5, source.at(52, 30) = 4;
+  SourceMap source(grid.width, grid.height, 7);
+  source.set(50, 30, 1), source.set(51, 30, 5), source.set(52, 30, 4);
   const Plane<uint8_t> witnesses = SourceCandidates(grid, layer, frames, maps, {}).witnesses(source, {});
   EXPECT_EQ(witnesses.at(50, 30), 1 << witness_bit(-1) | 1 << witness_bit(2) | 1 << witness_bit(3));
   EXPECT_EQ(witnesses.at(51, 30), 1 << witness_bit(-1) | 1 << witness_bit(-2));
@@ -273,7 +268,8 @@ struct Wall {
   PanoramaGrid grid = simple_grid(0.5);
   std::vector<RgbImage> photos;
   std::vector<Camera> cameras;
-  Plane<uint8_t> source{grid.width, grid.height, 3}, witnesses{grid.width, grid.height, kAllWitnesses};
+  SourceMap source{Plane<uint8_t>(grid.width, grid.height, 3)};
+  Plane<uint8_t> witnesses{grid.width, grid.height, kAllWitnesses};
 
   explicit Wall(const std::vector<int>& levels) {
     for (const int level : levels) {
@@ -294,9 +290,9 @@ struct Wall {
   }
 
   // The right half of the panorama from another photograph.
-  void right_from(uint8_t photo) {
+  void right_from(int photo) {
     for (int y = 0; y < grid.height; ++y)
-      for (int x = 64; x < grid.width; ++x) source.at(x, y) = photo;
+      for (int x = 64; x < grid.width; ++x) source.set(x, y, photo);
   }
 
   void left_seen_by(int these) {
@@ -326,6 +322,23 @@ TEST(FetchColours, WhatOnePhotographAloneShowsIsNotKept) {
     const RgbImage panorama = wall.panorama();
     EXPECT_EQ(panorama.at(53, 30), (Rgb{127, 50, 60}));
     EXPECT_EQ(panorama.at(20, 30), (Rgb{127, 50, 60}));  // as bright as in its own photograph
+  }
+}
+
+TEST(FetchColours, PhotographsBeyondAByteAreToldApart) {
+  std::vector<int> levels(300, 100);
+  levels[299] = 180;
+  levels[299 - 256] = 20;
+  for (const bool even : {false, true}) {
+    Wall wall(levels);
+    wall.source = SourceMap(wall.grid.width, wall.grid.height, 300);
+    for (int y = 0; y < wall.grid.height; ++y)
+      for (int x = 0; x < 64; ++x) wall.source.set(x, y, 299);
+    wall.right_from(299 - 256);
+    std::fill(wall.witnesses.samples.begin(), wall.witnesses.samples.end(), uint8_t{0});
+    const RgbImage panorama = wall.panorama(even);
+    EXPECT_EQ(panorama.at(5, 30).r, 180);
+    EXPECT_EQ(panorama.at(wall.grid.width - 5, 30).r, 20);
   }
 }
 
@@ -373,9 +386,9 @@ TEST(EvenSeams, SeeWhatPhotographsAgreeOn) {
 RgbImage two_exposures(bool even, int border) {
   const PanoramaGrid grid = simple_grid(0.5);
   const DisparityMap layer(grid.width, grid.height, 0);
-  Plane<uint8_t> source(grid.width, grid.height, 0);
+  SourceMap source(Plane<uint8_t>(grid.width, grid.height, 0));
   for (int y = 0; y < grid.height; ++y)
-    for (int x = border; x < grid.width; ++x) source.at(x, y) = 1;
+    for (int x = border; x < grid.width; ++x) source.set(x, y, 1);
   RgbImage colour(grid.width, grid.height);
   const FramesInMemory frames({RgbImage(140, 80, {100, 100, 100}), RgbImage(140, 80, {116, 100, 100})});
   const std::vector<Camera> cameras = {camera_at(0.02), camera_at(-0.02)};

@@ -1,5 +1,6 @@
 // One window of a labelling problem, as arrays. A problem has at most 16 slots a pixel; for depth a slot is a label,
-// for colour it is a source frame modulo 16, `position` then holding the frame.
+// for colour it is a source frame modulo 16, `position` then holding the frame modulo 256: of frames that are
+// further apart than that, two neighbours hardly take both, and truncation is reached long before.
 #pragma once
 
 #include <cstddef>
@@ -41,7 +42,8 @@ struct PixelTerms {
   }
   // V of the pair (slot a at p, slot b at q) across an edge of some factor.
   int pair(const Smoothness& smoothness, int factor, int p, int a, int q, int b) const {
-    return smoothness(factor, position_of(p, a) - position_of(q, b), greys(p)[a] - greys(q)[b]);
+    const auto steps = static_cast<int8_t>(static_cast<uint8_t>(position_of(p, a) - position_of(q, b)));
+    return smoothness(factor, steps, greys(p)[a] - greys(q)[b]);
   }
 };
 

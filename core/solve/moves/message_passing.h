@@ -16,7 +16,7 @@ struct KernelGrid {
   const uint16_t* cost = nullptr;
   const uint8_t* grey = nullptr;
   const uint8_t* grey_range = nullptr;  // 2 per pixel: least and largest grey
-  const uint8_t* position = nullptr;    // nullptr: slot number = position
+  const uint8_t* position = nullptr;    // modulo 256; nullptr: slot number = position
   const uint8_t* down = nullptr;
   const uint8_t* right = nullptr;
   uint8_t* message = nullptr;
