@@ -32,8 +32,6 @@ class Debouncer {
     return ButtonEvent{level, time_ns};
   }
 
-  bool level() const { return reported_; }
-
  private:
   bool reported_;
   int64_t settle_ns_;

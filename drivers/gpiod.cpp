@@ -262,7 +262,6 @@ class GpioButton final : public Button {
   }
 
   int fd() const override { return epoll_.get(); }
-  bool pressed() const override { return debouncer_.level(); }
 
   std::optional<ButtonEvent> read() override {
     ticker_.take_expirations();

@@ -38,7 +38,6 @@ class ScriptButton final : public Button {
   explicit ScriptButton(const Url& url) : events_(parse_script(url.path(), monotonic_now_ns())) { arm(); }
 
   int fd() const override { return ticker_.fd(); }
-  bool pressed() const override { return next_ > 0 && events_[next_ - 1].pressed; }
 
   std::optional<ButtonEvent> read() override {
     ticker_.take_expirations();

@@ -15,7 +15,6 @@ constexpr int kAstrayFrames = 3;     // a smear or a passer-by is over by then
 constexpr double kHoldFrom = 0.6;    // of the wanted step
 constexpr double kWorthAtEnd = 0.4;  // of the wanted step
 constexpr double kMaxBlur = 0.006;   // of the image width, while the shutter is open
-constexpr double kUsualExposure_s = 0.01;
 constexpr double kDark = 0.06;       // mean grey
 constexpr double kMaxTilt = 0.12;    // of the image height
 constexpr double kIdleSpeed = 0.03;  // widths a second

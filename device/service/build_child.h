@@ -50,7 +50,6 @@ class BuildChild {
   void tell(const std::string& line);  // throws std::system_error when it does not listen
   std::optional<BuildEnd> end();       // none while it runs
   void kill();
-  pid_t pid() const { return pid_; }
 
  private:
   pid_t pid_ = -1;

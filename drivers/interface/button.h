@@ -22,7 +22,6 @@ class Button {
   virtual ~Button() = default;
   virtual int fd() const = 0;                     // readable when `read` may give something
   virtual std::optional<ButtonEvent> read() = 0;  // presses and releases alternate; throws std::runtime_error when lost
-  virtual bool pressed() const { return false; }  // held down right now, as far as events were read
 };
 
 }  // namespace ldp

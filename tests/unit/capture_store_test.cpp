@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -213,10 +214,12 @@ TEST_F(CaptureStoreTest, ABuildBeyondItsMemoryFailsAlone) {
 }
 
 TEST_F(CaptureStoreTest, DroppingABuildKillsIt) {
+  const fs::path told = output_ / "pid";
+  ASSERT_EQ(::mkfifo(told.c_str(), 0600), 0);
   pid_t pid = 0;
   {
-    BuildChild child({script("exec sleep 1000"), {}, 0, 10});
-    pid = child.pid();
+    BuildChild child({script("echo $$ >" + told.string() + "; exec sleep 1000"), {}, 0, 10});
+    ASSERT_TRUE(std::ifstream(told) >> pid);
     EXPECT_FALSE(child.end());
   }
   EXPECT_NE(::kill(pid, 0), 0);
