@@ -2,6 +2,7 @@
 #include <cctype>
 #include <filesystem>
 
+#include "core/base/files.h"
 #include "core/photos/images.h"
 #include "sim/devices.h"
 #include "sim/playback_camera.h"

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <span>
 #include <stdexcept>
 #include <utility>
 
+#include "core/base/files.h"
 #include "core/captures/transforms.h"
 #include "core/photos/images.h"
 #include "sim/npy.h"
@@ -20,10 +20,6 @@ namespace fs = std::filesystem;
 
 constexpr int64_t kFrameInterval_ns = 350'000'000;
 constexpr double kExposure_s = 0.004;
-
-std::span<const uint8_t> bytes_of(const std::string& text) {
-  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
-}
 
 void write_views(const fs::path& folder, const std::string& name, const Picture& picture, const std::string& file) {
   write_file(folder / name / file, encode_png(picture.colour));
@@ -101,7 +97,7 @@ void write_scene_capture(const SceneCaptureOptions& options, const fs::path& fol
     }
     write_cameras(folder / "novel.json", "novel", novel);
   }
-  write_file(folder / "capture.json", bytes_of(capture_json(options, sweep)));
+  write_file(folder / "capture.json", capture_json(options, sweep));
   job.report("rendering", 1);
 }
 

@@ -14,6 +14,7 @@
 #include <string>
 #include <system_error>
 
+#include "core/base/files.h"
 #include "core/captures/transforms.h"
 #include "core/photos/resize.h"
 

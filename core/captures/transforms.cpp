@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/base/exact_math.h"
+#include "core/base/files.h"
 #include "core/photos/images.h"
 
 namespace ldp {
@@ -236,8 +237,7 @@ std::string transforms_json(std::span<const Camera> cameras) {
 }
 
 void write_transforms(const std::filesystem::path& file, std::span<const Camera> cameras) {
-  const std::string text = transforms_json(cameras);
-  write_file(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+  write_file(file, transforms_json(cameras));
 }
 
 const Camera* find_camera(std::span<const Camera> cameras, std::string_view photo_name) {

@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/base/files.h"
 #include "core/photos/codecs/formats.h"
 
 namespace ldp {

@@ -77,44 +77,4 @@ std::vector<uint8_t> encode_webp_lossless(const RgbImage& image);
 std::vector<uint8_t> encode_pfm(const Plane<float>& values);  // one channel, little-endian, rows bottom to top
 Plane<float> decode_pfm(std::span<const uint8_t> bytes, const std::string& name_for_errors);
 
-// Whole files. write_file is atomic: temporary file in the same folder, fsync, rename, fsync of the folder; throws
-// std::system_error naming the path and leaves nothing behind. Devices and pipes are written to directly.
-std::vector<uint8_t> read_file(const std::filesystem::path& file);
-void write_file(const std::filesystem::path& file, std::span<const uint8_t> bytes);
-
-// Makes names in a folder last through a power cut. False where the file system knows no such thing (some of FUSE, some
-// network shares): a rename is as safe there as it can be, and nothing is refused. Throws std::system_error.
-bool sync_folder(const std::filesystem::path& folder);
-
-// What write_file does, step by step: a file under a temporary name beside its own, gone again unless it is finished.
-// All throw as write_file does.
-class PartialFile {
- public:
-  explicit PartialFile(const std::filesystem::path& target);  // makes nothing yet; a link stays a link
-  ~PartialFile();
-  PartialFile(const PartialFile&) = delete;
-  PartialFile& operator=(const PartialFile&) = delete;
-  const std::filesystem::path& path() const { return path_; }  // the temporary one
-  void write(std::span<const uint8_t> bytes);                  // all of it, once, and flushes it
-  void finish();                                               // gives it its name for good
-
- private:
-  std::filesystem::path target_, path_;
-  bool begun_ = false;
-};
-
-// A file's bytes without reading it as a whole. The file must not be cut short while it is mapped.
-class MappedFile {
- public:
-  explicit MappedFile(const std::filesystem::path& file);  // throws std::system_error naming the path
-  ~MappedFile();
-  MappedFile(const MappedFile&) = delete;
-  MappedFile& operator=(const MappedFile&) = delete;
-  std::span<const uint8_t> bytes() const { return {data_, size_}; }
-
- private:
-  const uint8_t* data_ = nullptr;
-  size_t size_ = 0;
-};
-
 }  // namespace ldp

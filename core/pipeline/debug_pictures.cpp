@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/base/files.h"
 #include "core/consistency/consistency.h"
 #include "core/photos/images.h"
 

@@ -6,12 +6,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "core/photos/images.h"
+#include "core/base/files.h"
 #include "device/capture/log.h"
 #include "drivers/interface/clocks.h"
 #include "drivers/interface/errors.h"
@@ -42,10 +43,6 @@ std::string name_from(int number) {
 }
 
 bool is_frame(const fs::path& file) { return file.extension() == ".jpg" && file.stem().string().starts_with("frame_"); }
-
-void write_text(const fs::path& file, const std::string& text) {
-  write_file(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-}
 
 std::string read_text(const fs::path& file) {
   const std::vector<uint8_t> bytes = read_file(file);
@@ -117,7 +114,7 @@ void CaptureStore::prepare() const {
   fs::create_directories(output_, error);
   if (error) throw std::runtime_error("cannot make the folder " + output_.string() + ": " + error.message());
   if (::access(output_.c_str(), W_OK) != 0) throw_errno("cannot write into " + output_.string());
-  if (sync_folder(output_)) return;
+  if (flush_folder(output_)) return;
   log_warning("the file system of " + output_.string() +
               " cannot flush folders: a power cut may take back what was stored in the last seconds");
 }
@@ -165,16 +162,16 @@ std::string CaptureStore::create_capture() const {
     last = std::max(last, number_of(entry.path().stem().string()).value_or(0));
   }
   const std::string name = name_from(last + 1);
-  write_text(counter, std::to_string(last + 1) + "\n");
+  write_file(counter, std::to_string(last + 1) + "\n");
   fs::create_directory(folder_of(name));
-  sync_folder(output_);
+  flush_folder(output_);
   return name;
 }
 
 void CaptureStore::discard(const std::string& name) const {
   if (!number_of(name)) throw std::logic_error("not a capture: " + name);
   fs::remove_all(folder_of(name));
-  sync_folder(output_);
+  flush_folder(output_);
 }
 
 void CaptureStore::clear_building() const {
@@ -184,10 +181,8 @@ void CaptureStore::clear_building() const {
 
 void CaptureStore::publish_panorama(const std::string& name) const {
   const fs::path from = building_of(name), to = panorama_of(name);
-  const UniqueFd fd(::open(from.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!fd.is_open() || ::fsync(fd.get()) != 0) throw_errno("the build left no panorama: " + from.string());
-  fs::rename(from, to);
-  sync_folder(output_);
+  if (!fs::exists(from)) throw_errno("the build left no panorama: " + from.string(), ENOENT);
+  move_file(from, to);
   std::error_code ignored;  // beside a panorama a record of builds says nothing
   fs::remove(folder_of(name) / "build.json", ignored);
 }
@@ -197,7 +192,7 @@ void CaptureStore::write_build_record(const std::string& name, const BuildRecord
                   {"cancelled", record.cancelled},
                   {"failed", record.failed},
                   {"reason", record.reason}};
-  write_text(folder_of(name) / "build.json", json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_file(folder_of(name) / "build.json", json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 BuildRecord CaptureStore::read_build_record(const std::string& name) const {

@@ -8,8 +8,8 @@
 //   OUTPUT/.lock                            locked by the one service that works here
 //   OUTPUT/.last_sweep                      the last number given: a number is never given twice, whatever was deleted
 //
-// Every file: temporary file in the same folder, fsync, rename, fsync of the folder. Nothing is ever deleted but
-// temporary files and what `discard` is asked to remove.
+// Every file is replaced as core/base/files.h says. Nothing is ever deleted but temporary files and what `discard` is
+// asked to remove.
 #pragma once
 
 #include <cstdint>

@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "core/photos/images.h"
+#include "core/base/files.h"
 #include "drivers/interface/errors.h"
 
 namespace ldp {
@@ -14,10 +14,7 @@ namespace {
 std::string write(const WriteJob& job) {
   try {
     if (!job.file.empty()) write_file(job.folder / job.file, job.bytes);
-    if (!job.capture_json.empty()) {
-      const auto* const text = reinterpret_cast<const uint8_t*>(job.capture_json.data());
-      write_file(job.folder / "capture.json", {text, job.capture_json.size()});
-    }
+    if (!job.capture_json.empty()) write_file(job.folder / "capture.json", job.capture_json);
     return {};
   } catch (const std::exception& error) {
     return error.what();

@@ -10,8 +10,8 @@
 #include <span>
 #include <system_error>
 
+#include "core/base/files.h"
 #include "core/base/job.h"
-#include "core/photos/images.h"
 #include "device/tool/interrupt.h"
 #include "device/tool/session.h"
 

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/photos/images.h"
+#include "core/base/files.h"
 #include "device/tool/output.h"
 #include "device/tool/session.h"
 

@@ -1,5 +1,6 @@
 #include "device/tool/panorama_input.h"
 
+#include "core/base/files.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/photos/images.h"
 #include "device/tool/output.h"

@@ -13,6 +13,7 @@
 #include <string>
 
 #include "core/arc/arc.h"
+#include "core/base/files.h"
 #include "core/captures/transforms.h"
 #include "core/photos/images.h"
 #include "core/poses/poses.h"

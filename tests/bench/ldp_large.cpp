@@ -7,6 +7,7 @@
 #include <exception>
 #include <functional>
 
+#include "core/base/files.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/photos/images.h"
 #include "tests/golden/synthetic_panorama.h"

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <zlib.h>
+#include "core/base/files.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/photos/images.h"
 #ifdef LDP_ZSTD

@@ -23,6 +23,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/arc/arc.h"
+#include "core/base/files.h"
 #include "core/geometry/disparity.h"
 #include "core/panorama/panorama.h"
 #include "core/photos/images.h"

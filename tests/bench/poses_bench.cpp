@@ -19,6 +19,7 @@
 #include <stdexcept>
 
 #include "core/arc/arc.h"
+#include "core/base/files.h"
 #include "core/photos/images.h"
 #include "core/poses/poses.h"
 #include "sim/scene/scenes.h"

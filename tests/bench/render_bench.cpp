@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/files.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/photos/images.h"
 #include "core/view/camera_path.h"

@@ -1,3 +1,4 @@
+#include "core/base/files.h"
 #include "core/captures/transforms.h"
 #include "core/photos/images.h"
 #include "tests/bench/depth_truth.h"

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "core/base/files.h"
 #include "tests/flow/flow.h"
 
 namespace ldp {

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/files.h"
 #include "core/photos/images.h"
 
 extern char** environ;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "core/base/files.h"
 #include "tests/flow/flow.h"
 
 namespace ldp {

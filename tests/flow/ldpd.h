@@ -20,6 +20,7 @@
 #include <sstream>
 #include <thread>
 
+#include "core/base/files.h"
 #include "core/photos/images.h"
 
 namespace ldp {

@@ -6,7 +6,6 @@
 #include <random>
 #include <set>
 
-#include "core/photos/images.h"
 #include "device/backends/open.h"
 #include "drivers/interface/status.h"
 #include "tests/private_network.h"

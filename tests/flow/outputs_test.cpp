@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/files.h"
 #include "core/captures/transforms.h"
 #include "tests/flow/flow.h"
 

@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <poll.h>
 
+#include "core/base/files.h"
 #include "device/service/build_child.h"
 #include "tests/flow/ldpd.h"
 

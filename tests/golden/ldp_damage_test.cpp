@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/files.h"
 #include "core/photos/images.h"
 #include "tests/golden/golden_panoramas.h"
 #include "tests/golden/sealed_file.h"

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "core/base/files.h"
 #include "core/photos/images.h"
 #include "tests/golden/golden_panoramas.h"
 

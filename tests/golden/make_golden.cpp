@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "core/base/files.h"
 #include "core/photos/images.h"
 #include "tests/golden/golden_panoramas.h"
 

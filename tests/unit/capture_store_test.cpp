@@ -10,7 +10,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/photos/images.h"
+#include "core/base/files.h"
 #include "device/capture/frame_writer.h"
 #include "device/service/build_child.h"
 #include "device/service/sweep_run.h"

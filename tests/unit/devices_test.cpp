@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/base/files.h"
 #include "core/photos/images.h"
 #include "drivers/backends.h"
 #include "drivers/debouncer.h"

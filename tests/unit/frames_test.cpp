@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "core/base/files.h"
 #include "core/captures/folder_frames.h"
 #include "core/photos/images.h"
 #include "core/photos/resize.h"
@@ -29,9 +30,7 @@ class FolderFramesTest : public testing::Test {
     const RgbImage image(width, height, {grey, grey, grey});
     write_file(folder_ / name, name.ends_with("png") ? encode_png(image) : encode_jpeg(image, 90));
   }
-  void text(const std::string& name, const std::string& content) const {
-    write_file(folder_ / name, {reinterpret_cast<const uint8_t*>(content.data()), content.size()});
-  }
+  void text(const std::string& name, const std::string& content) const { write_file(folder_ / name, content); }
   std::vector<std::string> names() const {
     std::vector<std::string> all;
     const FolderFrames frames(folder_);

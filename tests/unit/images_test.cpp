@@ -10,7 +10,8 @@
 #include <functional>
 #include <limits>
 #include <random>
-#include <system_error>
+
+#include "core/base/files.h"
 
 namespace ldp {
 namespace {
@@ -27,9 +28,6 @@ class Folder {
   Folder(const Folder&) = delete;
   Folder& operator=(const Folder&) = delete;
   fs::path operator/(const char* name) const { return path_ / name; }
-  size_t files() const {
-    return static_cast<size_t>(std::distance(fs::directory_iterator(path_), fs::directory_iterator()));
-  }
 
  private:
   fs::path path_;
@@ -231,35 +229,6 @@ TEST(Pfm, KeepsEveryValueAndRefusesEarlyEnds) {
   EXPECT_EQ(decode_pfm(bytes, "a"), values);
   for (size_t length = 0; length < bytes.size(); ++length)
     ASSERT_THROW(decode_pfm(std::span(bytes).first(length), "a"), std::runtime_error);
-}
-
-TEST(Files, AreWrittenWholeOrNotAtAll) {
-  const Folder folder;
-  const std::vector<uint8_t> first = {1, 2, 3};
-  const std::vector<uint8_t> second = {4, 5};
-  write_file(folder / "a", first);
-  write_file(folder / "a", second);
-  EXPECT_EQ(read_file(folder / "a"), second);
-  EXPECT_EQ(folder.files(), 1u);
-  EXPECT_THAT(message_of([&] { write_file(folder / "missing/a", first); }), HasSubstr("missing/a"));
-  fs::create_directory(folder / "taken");
-  EXPECT_THROW(write_file(folder / "taken", first), std::system_error);
-  EXPECT_EQ(folder.files(), 2u);
-  EXPECT_EQ(MappedFile(folder / "a").bytes().size(), 2u);
-}
-
-TEST(Files, ALinkStaysALink) {
-  const Folder folder;
-  write_file(folder / "a", std::vector<uint8_t>{1});
-  fs::create_symlink("a", folder / "link");
-  write_file(folder / "link", std::vector<uint8_t>{2});
-  EXPECT_TRUE(fs::is_symlink(folder / "link"));
-  EXPECT_EQ(read_file(folder / "a"), std::vector<uint8_t>{2});
-}
-
-TEST(Files, MissingOnesAreNamed) {
-  EXPECT_THAT(message_of([] { read_file("/nowhere/a.jpg"); }), HasSubstr("/nowhere/a.jpg"));
-  EXPECT_THAT(message_of([] { read_file("/"); }), HasSubstr("Is a directory"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/base/files.h"
 #include "core/photos/exposure_gain.h"
 #include "core/photos/images.h"
 #include "core/pipeline/build.h"

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <vector>
 
+#include "core/base/files.h"
 #include "core/base/job.h"
 #include "device/tool/interrupt.h"
 #include "device/tool/output.h"
@@ -127,7 +128,7 @@ void Film::fail() const {
 
 void Film::keep() {
   if (close_and_wait() != 0) fail();
-  std::filesystem::rename(partial_, file_);
+  move_file(partial_, file_);
   partial_.clear();
 }
 

@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "core/base/files.h"
 #include "core/captures/transforms.h"
 #include "core/photos/images.h"
 #include "core/view/camera_path.h"

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "core/base/files.h"
 #include "core/panorama/file/ldp_file.h"
-#include "core/photos/images.h"
 #include "device/tool/commands.h"
 #include "device/tool/output.h"
 #include "device/tool/progress_bar.h"

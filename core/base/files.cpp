@@ -1,3 +1,5 @@
+#include "core/base/files.h"
+
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -6,9 +8,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <random>
+#include <string>
 #include <system_error>
-
-#include "core/photos/images.h"
 
 namespace ldp {
 namespace {
@@ -73,6 +74,8 @@ void write_all(const Descriptor& descriptor, std::span<const uint8_t> bytes, con
   }
 }
 
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
 fs::path beside(const fs::path& target) {
   std::random_device random;
   const uint64_t number = uint64_t{random()} << 32 | random();
@@ -83,7 +86,7 @@ fs::path beside(const fs::path& target) {
 
 }  // namespace
 
-bool sync_folder(const fs::path& folder) {
+bool flush_folder(const fs::path& folder) {
   const Descriptor descriptor(open_file(folder, O_RDONLY | O_DIRECTORY));
   if (!descriptor.valid()) fail("cannot open the folder", folder);
   if (flush(descriptor) == 0) return true;
@@ -121,6 +124,18 @@ void write_file(const fs::path& file, std::span<const uint8_t> bytes) {
   partial.finish();
 }
 
+void write_file(const fs::path& file, std::string_view text) {
+  write_file(file, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+}
+
+void move_file(const fs::path& from, const fs::path& to) {
+  const Descriptor descriptor(open_file(from, O_RDONLY));
+  if (!descriptor.valid()) fail("cannot read", from);
+  if (flush(descriptor) != 0) fail("cannot flush", from);
+  if (::rename(from.c_str(), to.c_str()) != 0) fail("cannot write", to);
+  flush_folder(folder_of(to));
+}
+
 PartialFile::PartialFile(const fs::path& target) {
   std::error_code error;
   target_ = fs::exists(target, error) ? fs::canonical(target) : target;
@@ -142,7 +157,7 @@ void PartialFile::write(std::span<const uint8_t> bytes) {
 void PartialFile::finish() {
   if (::rename(path_.c_str(), target_.c_str()) != 0) fail("cannot write", target_);
   begun_ = false;
-  sync_folder(target_.has_parent_path() ? target_.parent_path() : fs::path("."));
+  flush_folder(folder_of(target_));
 }
 
 MappedFile::MappedFile(const fs::path& file) {

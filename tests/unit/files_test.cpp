@@ -1,0 +1,105 @@
+// Whole files: replaced or left alone, never half.
+#include "core/base/files.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <functional>
+#include <string>
+#include <system_error>
+
+namespace ldp {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class Files : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = testing::TempDir() + "ldp_files_XXXXXX";
+    folder_ = ::mkdtemp(name.data());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  size_t files() const {
+    return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+
+  fs::path folder_;
+};
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::system_error& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+TEST_F(Files, AreWrittenWholeOrNotAtAll) {
+  const std::vector<uint8_t> first = {1, 2, 3};
+  const std::vector<uint8_t> second = {4, 5};
+  write_file(folder_ / "a", first);
+  write_file(folder_ / "a", second);
+  EXPECT_EQ(read_file(folder_ / "a"), second);
+  EXPECT_EQ(files(), 1u);
+  EXPECT_THAT(message_of([&] { write_file(folder_ / "missing/a", first); }), HasSubstr("missing/a"));
+  fs::create_directory(folder_ / "taken");
+  EXPECT_THROW(write_file(folder_ / "taken", first), std::system_error);
+  EXPECT_EQ(files(), 2u);
+  EXPECT_EQ(MappedFile(folder_ / "a").bytes().size(), 2u);
+}
+
+TEST_F(Files, ALinkStaysALink) {
+  write_file(folder_ / "a", std::vector<uint8_t>{1});
+  fs::create_symlink("a", folder_ / "link");
+  write_file(folder_ / "link", std::vector<uint8_t>{2});
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+  EXPECT_EQ(read_file(folder_ / "a"), std::vector<uint8_t>{2});
+}
+
+TEST_F(Files, MissingOnesAreNamed) {
+  EXPECT_THAT(message_of([&] { read_file("/nowhere/a.jpg"); }), HasSubstr("/nowhere/a.jpg"));
+  EXPECT_THAT(message_of([&] { read_file("/"); }), HasSubstr("Is a directory"));
+}
+
+TEST_F(Files, TextIsWrittenAsItIs) {
+  write_file(folder_ / "a", "two\nlines");
+  EXPECT_EQ(read_file(folder_ / "a"), (std::vector<uint8_t>{'t', 'w', 'o', '\n', 'l', 'i', 'n', 'e', 's'}));
+}
+
+TEST_F(Files, AMovedFileTakesThePlaceOfAnother) {
+  write_file(folder_ / "old", "old");
+  write_file(folder_ / "new", "new");
+  move_file(folder_ / "new", folder_ / "old");
+  EXPECT_EQ(read_file(folder_ / "old"), (std::vector<uint8_t>{'n', 'e', 'w'}));
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(Files, WhatCannotBeMovedIsNamedAndStays) {
+  write_file(folder_ / "a", "a");
+  EXPECT_THAT(message_of([&] { move_file(folder_ / "missing", folder_ / "a"); }), HasSubstr("missing"));
+  EXPECT_THAT(message_of([&] { move_file(folder_ / "a", folder_ / "nowhere/b"); }), HasSubstr("nowhere/b"));
+  EXPECT_EQ(read_file(folder_ / "a").size(), 1u);
+}
+
+TEST_F(Files, APartialFileThatIsNotFinishedIsGone) {
+  {
+    PartialFile partial(folder_ / "a");
+    partial.write(std::vector<uint8_t>{1});
+    EXPECT_TRUE(fs::exists(partial.path()));
+  }
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(Files, AFolderIsFlushedAndAMissingOneNamed) {
+  flush_folder(folder_);
+  EXPECT_THAT(message_of([&] { flush_folder(folder_ / "missing"); }), HasSubstr("missing"));
+}
+
+}  // namespace
+}  // namespace ldp
