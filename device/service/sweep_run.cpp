@@ -9,16 +9,13 @@
 
 #include "device/capture/frame_pixels.h"
 #include "device/capture/log.h"
+#include "device/service/session_tuning.h"
 #include "drivers/interface/clocks.h"
 
 namespace ldp {
 namespace {
 
 constexpr double kRadians = 0.017453292519943295;
-constexpr double kUsualFov_rad = 1.13;
-constexpr double kSteady = 0.01;  // change of brightness from frame to frame once exposure has settled
-constexpr int kSteadyFrames = 3;
-constexpr double kMaxSettleFactor = 4;  // exposure that never rests is locked all the same
 
 ChooserOptions chooser_options(const Config& config) {
   ChooserOptions options;
@@ -88,7 +85,7 @@ bool SweepRun::settled(const CameraFrame& frame, double brightness) {
   if (settled_) return true;
   if (first_frame_time_ns_ == 0) first_frame_time_ns_ = frame.time_ns;
   const double seconds = static_cast<double>(frame.time_ns - first_frame_time_ns_) * 1e-9;
-  steady_frames_ = std::abs(brightness - last_brightness_) < kSteady ? steady_frames_ + 1 : 0;
+  steady_frames_ = std::abs(brightness - last_brightness_) < kSteadyBrightness ? steady_frames_ + 1 : 0;
   last_brightness_ = brightness;
   const bool rests = seconds >= settle_s_ && (settle_s_ == 0 || steady_frames_ >= kSteadyFrames);
   settled_ = rests || seconds >= settle_s_ * kMaxSettleFactor;
@@ -104,7 +101,15 @@ void SweepRun::store(const CameraFrame& frame) {
   writer_.put({folder_, file, std::move(jpeg), capture_json(record_)});
 }
 
-void SweepRun::end(const std::string& reason, bool complete) {
+std::optional<Guidance> SweepRun::next_guidance(int64_t now_ns) {
+  if (now_ns < next_guidance_ns_) return std::nullopt;
+  next_guidance_ns_ = now_ns + kGuidanceInterval_ns;
+  return guidance();
+}
+
+void SweepRun::end(const Reason& reason, bool complete) {
+  end_ns_ = monotonic_now_ns();
+  end_reason_ = reason;
   camera_->lock_exposure(false);
   camera_->stop();
   try {
@@ -115,8 +120,30 @@ void SweepRun::end(const std::string& reason, bool complete) {
   held_.reset();
   record_.end_ns = monotonic_now_ns();
   record_.complete = complete;
-  record_.end_reason = reason;
+  record_.end_reason = text_of(reason);
   writer_.put({folder_, "", {}, capture_json(record_)});
+  stores_ = true;
+  camera_.reset();
+}
+
+void SweepRun::note(const WriteOutcome& outcome) {
+  if (!outcome.error.empty()) {
+    if (storage_problem_.empty()) storage_problem_ = "cannot store: " + outcome.error;
+  } else if (!outcome.file.empty()) {
+    ++frames_stored_;
+  }
+}
+
+Reason SweepRun::too_few_frames() const {
+  ShortSweep sweep;
+  sweep.frames = frames_stored_;
+  sweep.frames_needed = config_.min_frames;
+  sweep.end = end_reason_;
+  sweep.storage_problem = storage_problem_;
+  sweep.seconds = static_cast<double>(end_ns_ - start_ns_) * 1e-9;
+  sweep.covered_rad = guidance().covered_rad;
+  sweep.mode = mode_of(config_);
+  return ldp::too_few_frames(sweep);
 }
 
 bool SweepRun::full(int64_t now_ns) const {

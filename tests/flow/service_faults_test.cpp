@@ -3,7 +3,7 @@
 #include <poll.h>
 
 #include "core/base/files.h"
-#include "device/service/build_child.h"
+#include "device/service/builds/build_child.h"
 #include "tests/flow/ldpd.h"
 
 namespace ldp {

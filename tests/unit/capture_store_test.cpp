@@ -12,7 +12,7 @@
 
 #include "core/base/files.h"
 #include "device/capture/frame_writer.h"
-#include "device/service/build_child.h"
+#include "device/service/builds/build_child.h"
 #include "device/service/sweep_run.h"
 
 namespace ldp {
@@ -264,7 +264,7 @@ TEST_F(CaptureStoreTest, AFrameThatCannotBeEncodedIsNotRecorded) {
     SweepRun sweep(Config(), std::make_unique<TooWideCamera>(), output_, writer);
     for (int i = 0; i < 3; ++i) sweep.read_frame();
     EXPECT_EQ(sweep.chosen(), 0);
-    sweep.end("over", true);
+    sweep.end({Why::sweep_complete, {}}, true);
   }
   std::ifstream file(output_ / "capture.json");
   EXPECT_TRUE(nlohmann::json::parse(file).at("frames").empty());

@@ -1,4 +1,4 @@
-#include "device/service/build_child.h"
+#include "device/service/builds/build_child.h"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -1,4 +1,4 @@
-#include "device/service/service_notice.h"
+#include "device/service/events/service_notice.h"
 
 #include <sys/socket.h>
 #include <sys/un.h>

@@ -1,0 +1,316 @@
+#include "device/service/capture_cycle.h"
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <exception>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include "device/backends/open.h"
+#include "device/capture/log.h"
+#include "device/service/events/last_frames.h"
+#include "device/service/session_tuning.h"
+#include "drivers/interface/clocks.h"
+
+namespace ldp {
+namespace {
+
+// What the pictures of a sweep took, and the C library would keep for the next one.
+void give_memory_back() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
+}
+
+bool has_result(Phase phase) { return phase == Phase::done || phase == Phase::failed; }
+bool is_at_work(Phase phase) { return phase == Phase::capturing || phase == Phase::building; }
+
+}  // namespace
+
+CaptureCycle::CaptureCycle(const Config& config, Run run, ServiceNotice& notice)
+    : config_(config),
+      run_(run),
+      notice_(notice),
+      store_(config_.output),
+      announcer_(config_.status),
+      folders_(config_, store_, run_ == Run::capture_only),
+      builds_(config_, store_) {
+  store_.prepare();
+  if (run_ != Run::capture_only) lock_ = store_.lock();
+  if (run_ == Run::service) builds_.add_unfinished();
+}
+
+void CaptureCycle::open_camera_ahead() { camera_ = open_camera(config_.camera); }
+
+// --- what the loop asks ----------------------------------------------------------------------------------------------
+
+Watches CaptureCycle::watches(const std::function<void(Command)>& obey) {
+  Watches watched{{writer_.fd(), [this] { serve_writer(); }}};
+  std::ranges::copy(announcer_.watches(obey), std::back_inserter(watched));
+  std::ranges::copy(builds_.watches([this] { serve_build(); }), std::back_inserter(watched));
+  if (is_taking()) watched.push_back({sweep_->fd(), [this] { serve_camera(); }});
+  return watched;
+}
+
+int64_t CaptureCycle::deadline_ns() const {
+  return is_taking() ? sweep_->deadline_ns() : std::numeric_limits<int64_t>::max();
+}
+
+void CaptureCycle::check_deadlines(int64_t now_ns, const Reason& ready) {
+  if (is_taking() && sweep_->full(now_ns)) {
+    handle(Event::sweep_full, {Why::sweep_complete, {}});
+  } else if (is_taking() && sweep_->stalled(now_ns)) {
+    handle(Event::camera_lost, {Why::camera_silent, {}});
+  }
+  if (rest_at_ns_ == 0 || now_ns < rest_at_ns_) return;
+  rest_at_ns_ = 0;
+  handle(Event::rest, ready);
+}
+
+void CaptureCycle::begin_waiting_build() {
+  if (builds_.waits() && !builds_.runs() && !is_storing()) handle(Event::build_pending, {Why::capture_waits, {}});
+}
+
+void CaptureCycle::refresh_channels() {
+  announcer_.open_missing();
+  announcer_.tell_ignored(false);
+  publish_status();
+}
+
+// --- the states ------------------------------------------------------------------------------------------------------
+
+void CaptureCycle::handle(Event event, const Reason& reason) {
+  const Transition transition = next(phase_, event, mode_of(config_));
+  const bool changed = transition.phase != phase_;
+  phase_ = transition.phase;
+  if (changed) rest_at_ns_ = has_result(phase_) ? monotonic_now_ns() + kRest_ns : 0;
+  if (changed && !is_at_work(phase_)) say(text_of(reason));
+  if (changed && (phase_ == Phase::failed || phase_ == Phase::idle)) last_failure_ = text_of(reason);
+  if (!is_at_work(phase_)) builds_.stop_following();
+  perform(transition.action, reason);
+  if (changed && !is_at_work(phase_) && run_ != Run::service) {
+    exit_status_ = phase_ == Phase::done ? 0 : 1;
+    over_ = true;
+  }
+}
+
+void CaptureCycle::perform(Action action, const Reason& reason) {
+  switch (action) {
+    case Action::none:
+      return;
+    case Action::begin_sweep:
+      return begin_sweep();
+    case Action::end_sweep:
+      return end_sweep(reason, true);
+    case Action::keep_sweep:
+      return end_sweep(reason, false);
+    case Action::abandon_sweep:
+      return abandon_sweep();
+    case Action::start_build:
+      return start_build();
+    case Action::cancel_build:
+      return stop_build(true);
+    case Action::suspend_build:
+      return stop_build(false);
+    case Action::say_busy:
+      return say("still building " + capture_ + "; please wait, or hold for " + std::to_string(kLongPress_s) +
+                 " s to cancel");
+  }
+}
+
+// --- the sweep -------------------------------------------------------------------------------------------------------
+
+void CaptureCycle::begin_sweep() {
+  sweep_.reset();  // of one whose build was cancelled the last frames are written all the same
+  capture_.clear();
+  say("opening the camera");  // so that a second refusal in a row is told, too
+  try {
+    if (folders_.sweeps_left() < 1) return refuse_sweep({Why::no_room, {}});
+    auto camera = camera_ ? std::move(camera_) : open_camera(config_.camera);
+    capture_ = folders_.create();
+    sweep_ = std::make_unique<SweepRun>(config_, std::move(camera), folders_.of(capture_), writer_);
+  } catch (const std::exception& error) {
+    return refuse_sweep({Why::cannot_begin, error.what()});
+  }
+  say("capturing: turn slowly, arm stretched out");
+}
+
+void CaptureCycle::refuse_sweep(const Reason& reason) {
+  folders_.discard(std::exchange(capture_, {}));
+  handle(Event::sweep_refused, reason);
+}
+
+void CaptureCycle::end_sweep(const Reason& reason, bool complete) {
+  sweep_->end(reason, complete);
+  work_since_ns_ = sweep_->end_ns();
+  say(text_of(reason) + "; storing");
+}
+
+void CaptureCycle::abandon_sweep() {
+  sweep_.reset();
+  folders_.cancel(std::exchange(capture_, {}), writer_);
+  give_memory_back();
+  say("the sweep was cancelled; its frames were removed");
+}
+
+// The last frame is on disk: on to the build.
+void CaptureCycle::continue_after_sweep() {
+  sweep_->finish_storing();
+  give_memory_back();
+  if (phase_ != Phase::building) return;
+  if (frames_stored() < config_.min_frames) return fail_build(sweep_->too_few_frames(), false);
+  if (run_ == Run::capture_only) {
+    const std::string frames = frames_text(frames_stored());
+    announcer_.publish(Result{capture_, config_.output, true, frames, 0});
+    return handle(Event::build_done, {Why::captured, frames});
+  }
+  builds_.put_first(capture_);
+  start_build();
+}
+
+// --- its build -------------------------------------------------------------------------------------------------------
+
+// The build begins with the first frame.
+void CaptureCycle::follow(const std::string& stored_file) {
+  if (!config_.follow || run_ == Run::capture_only || !is_at_work(phase_)) return;
+  builds_.follow(capture_, stored_file, frames_stored() == 1);
+}
+
+void CaptureCycle::start_build() {
+  const std::string previous = std::exchange(capture_, builds_.take_next());
+  if (capture_ != previous) work_since_ns_ = monotonic_now_ns();
+  try {
+    builds_.start(capture_);
+  } catch (const std::exception& error) {
+    return fail_build({Why::build_failed, error.what()}, true);
+  }
+  say("building " + capture_);
+}
+
+void CaptureCycle::stop_build(bool cancelled) {
+  builds_.kill();
+  if (capture_.empty() || run_ == Run::capture_only) return;
+  if (is_storing() && !cancelled) return;  // not begun yet
+  builds_.record_stop(capture_, cancelled);
+  if (cancelled) say("the build was cancelled; the frames are kept in " + capture_);
+}
+
+void CaptureCycle::finish_build(const BuildEnd& end) {
+  const BuildEnd outcome = builds_.conclude(capture_, end);
+  if (!outcome.ok) return tell_failure({Why::build_failed, outcome.reason});
+  const double seconds = seconds_of_work();
+  const std::string file = store_.panorama_of(capture_).string();
+  announcer_.publish(Result{capture_, file, true, "built in " + seconds_text(seconds), seconds});
+  handle(Event::build_done, {Why::built, file});
+}
+
+// With `retry` the next start tries again; else only a command does.
+void CaptureCycle::fail_build(const Reason& reason, bool retry) {
+  if (run_ != Run::capture_only) builds_.record_failure(capture_, {false, text_of(reason), retry});
+  tell_failure(reason);
+}
+
+void CaptureCycle::tell_failure(const Reason& reason) {
+  announcer_.publish(Result{capture_, {}, false, text_of(reason), seconds_of_work()});
+  handle(Event::build_failed, reason);
+}
+
+bool CaptureCycle::retry_failed() {
+  if (run_ != Run::service || builds_.runs() || is_taking() || is_storing()) return false;
+  builds_.add_failed();
+  return true;
+}
+
+// --- what the descriptors bring --------------------------------------------------------------------------------------
+
+void CaptureCycle::serve_camera() {
+  try {
+    sweep_->read_frame();
+  } catch (const std::exception& error) {
+    return handle(Event::camera_lost, {Why::camera_lost, error.what()});
+  }
+  if (const auto guidance = sweep_->next_guidance(monotonic_now_ns())) announcer_.publish(*guidance);
+}
+
+void CaptureCycle::serve_writer() {
+  while (const auto outcome = writer_.take()) {
+    if (!sweep_ || outcome->folder != sweep_->folder()) {  // of a sweep before this one
+      if (!outcome->error.empty()) log_warning("cannot store: " + outcome->error);
+      continue;
+    }
+    const int before = frames_stored();
+    sweep_->note(*outcome);
+    if (frames_stored() == before) continue;
+    follow(outcome->file);
+    publish_status();
+  }
+  if (is_taking() && !sweep_->storage_problem().empty()) {
+    handle(Event::storage_failed,
+           {Why::storage_failed, sweep_->storage_problem() + " (" + frames_text(frames_stored()) + " are stored)"});
+  }
+  if (is_storing() && writer_.pending() == 0) continue_after_sweep();
+  folders_.discard_cancelled(writer_);
+}
+
+void CaptureCycle::serve_build() {
+  if (!builds_.runs()) return;
+  if (const auto progress = builds_.read_progress()) {
+    announcer_.publish(Progress{capture_, progress->stage, progress->fraction});
+  }
+  if (const auto end = builds_.end()) finish_build(*end);
+}
+
+// --- the end ---------------------------------------------------------------------------------------------------------
+
+void CaptureCycle::end_run(const Reason& reason) {
+  last_failure_ = text_of(reason);
+  exit_status_ = 1;
+  over_ = true;
+}
+
+void CaptureCycle::interrupt() {
+  handle(Event::shutdown, {Why::shutting_down, {}});
+  over_ = true;
+  if (run_ != Run::service) exit_status_ = 1;
+}
+
+void CaptureCycle::store_what_waits(EndRequest& end_request) {
+  wait_for_last_frames({writer_, end_request, notice_, run_ != Run::service, [this] { serve_writer(); }});
+}
+
+// A sweep that was interrupted keeps the frames it has; one without any leaves no folder.
+void CaptureCycle::leave_in_order(bool in_sweep) {
+  if (in_sweep && !is_storing() && frames_stored() == 0 && sweep_->storage_problem().empty()) {
+    folders_.discard(std::exchange(capture_, {}));
+  }
+  if (run_ == Run::service) return;
+  const std::string kept = capture_.empty() ? "nothing was kept"
+                                            : "the sweep is kept in " + folders_.of(capture_).string() + " (" +
+                                                  frames_text(frames_stored()) + ")";
+  log_note((run_ == Run::once ? "stopped before a panorama was made; " : "stopped; ") + kept);
+}
+
+// --- what the world is told ------------------------------------------------------------------------------------------
+
+void CaptureCycle::say(const std::string& text) {
+  if (text == text_) return;
+  text_ = text;
+  notice_.status(std::string(name_of(phase_)) + ": " + text);
+  publish_status();
+}
+
+void CaptureCycle::publish_status() {
+  int left = 0;
+  try {
+    left = folders_.sweeps_left();
+  } catch (const std::exception&) {
+    left = 0;  // the folder went away; the next sweep will say so
+  }
+  announcer_.publish(Status{phase_, capture_, text_, frames_stored(), left});
+}
+
+double CaptureCycle::seconds_of_work() const { return static_cast<double>(monotonic_now_ns() - work_since_ns_) * 1e-9; }
+
+}  // namespace ldp
