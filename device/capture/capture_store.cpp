@@ -7,12 +7,12 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "core/base/files.h"
+#include "device/capture/capture_tuning.h"
 #include "device/capture/log.h"
 #include "drivers/interface/clocks.h"
 #include "drivers/interface/errors.h"
@@ -23,10 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr uint64_t kFirstGuess_bytes = uint64_t{24} << 20;  // of a sweep with its panorama, before there is one
 constexpr const char* kPrefix = "sweep_";
-constexpr int kLockAttempts = 20;
-constexpr std::chrono::milliseconds kLockInterval{25};
 
 std::optional<int> number_of(const std::string& name) {
   if (!name.starts_with(kPrefix)) return std::nullopt;
@@ -123,7 +120,6 @@ UniqueFd CaptureStore::lock() const {
   const fs::path file = output_ / ".lock";
   UniqueFd fd(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
   if (!fd.is_open()) throw_errno("cannot open " + file.string());
-  // Of a service that was killed, a build about to start may hold the lock for a moment more.
   for (int attempt = 1; ::flock(fd.get(), LOCK_EX | LOCK_NB) != 0; ++attempt) {
     if (errno != EWOULDBLOCK && errno != EINTR) throw_errno("cannot lock " + file.string());
     if (attempt == kLockAttempts) {
@@ -223,7 +219,7 @@ int CaptureStore::sweeps_left(uint64_t reserve_bytes) const {
   return static_cast<int>(std::min<uint64_t>(usable / usual_sweep_bytes(), 1'000'000));
 }
 
-// The largest of the last five sweeps and a bit, so that a promise of one more is kept.
+// The largest of the last sweeps and a bit, so that a promise of one more is kept.
 uint64_t CaptureStore::usual_sweep_bytes() const {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(output_)) {
@@ -231,7 +227,7 @@ uint64_t CaptureStore::usual_sweep_bytes() const {
   }
   std::sort(names.rbegin(), names.rend());
   uint64_t largest = 0;
-  for (size_t i = 0; i < std::min<size_t>(names.size(), 5); ++i) {
+  for (size_t i = 0; i < std::min(names.size(), kSweepsToGoBy); ++i) {
     std::error_code error;
     const uintmax_t panorama = fs::file_size(panorama_of(names[i]), error);
     largest = std::max(largest, bytes_in(folder_of(names[i])) + (error ? 0 : panorama));

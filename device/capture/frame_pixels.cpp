@@ -6,11 +6,10 @@
 #include <stdexcept>
 
 #include "core/photos/images.h"
+#include "device/capture/capture_tuning.h"
 
 namespace ldp {
 namespace {
-
-constexpr int kJpegQuality = 95;
 
 // Where luminance lies in a raw format: bytes from pixel to pixel, and of the first one. RGB is judged by its green.
 struct Luminance {

@@ -2,28 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
+#include "device/capture/capture_tuning.h"
+
 namespace ldp {
 namespace {
-
-constexpr double kGoodMatch = 0.35;  // below, the two thumbnails are taken to show different things
-constexpr double kStill_px = 0.5;    // of the thumbnail, from frame to frame
-constexpr int kAstrayFrames = 3;     // a smear or a passer-by is over by then
-constexpr double kHoldFrom = 0.6;    // of the wanted step
-constexpr double kWorthAtEnd = 0.4;  // of the wanted step
-constexpr double kMaxBlur = 0.006;   // of the image width, while the shutter is open
-constexpr double kDark = 0.06;       // mean grey
-constexpr double kMaxTilt = 0.12;    // of the image height
-constexpr double kIdleSpeed = 0.03;  // widths a second
-constexpr int64_t kPatience_ns = 2'000'000'000;
-constexpr double kTurnBack = -0.15;  // widths behind the last kept frame
-constexpr double kLookForFirstFrom_rad = std::numbers::pi;
-constexpr double kSamePlace = 0.6;   // match of two thumbnails from one place, a hand's width apart
-constexpr double kBeside = 0.1;      // widths
-constexpr double kHandShake = 0.02;  // widths
 
 void check(bool good, const char* what) {
   if (!good) throw std::logic_error(std::string("frame choice: ") + what);
@@ -31,7 +16,8 @@ void check(bool good, const char* what) {
 
 }  // namespace
 
-FrameChooser::FrameChooser(const ChooserOptions& options) : options_(options) {
+FrameChooser::FrameChooser(const ChooserOptions& options)
+    : options_(options), blur_limit_(kMaxBlur / kUsualExposure_s) {
   check(options.overlap >= 0.3 && options.overlap <= 0.95, "overlap must be within 0.3 .. 0.95");
   check(options.max_frames >= 3 && options.max_frames <= 1000, "max_frames must be within 3 .. 1000");
   check(options.fov_rad > 0.1 && options.fov_rad < 3, "fov_rad must be within 0.1 .. 3");
@@ -109,7 +95,7 @@ double FrameChooser::step_along(const GreyImage& thumbnail, double* tilt_px) {
   const double left = -chained.dx_px / thumbnail.width;
   const double step = previous_->step + (direction_ == 0 ? std::abs(left) : direction_ * left);
   astray_ = blind_ || std::abs(chained.dx_px) < kStill_px ? astray_ + 1 : 0;
-  return astray_ < kAstrayFrames ? step : std::max(step, 1.01 * (1 - options_.overlap));
+  return astray_ < kAstrayFrames ? step : std::max(step, kPassedStep * (1 - options_.overlap));
 }
 
 void FrameChooser::keep(const Seen& seen) {
@@ -136,8 +122,7 @@ bool FrameChooser::consider(const Seen& seen) {
   const bool held_is_early = held_->step < kHoldFrom * wanted;
   if (held_is_early) return seen.step > held_->step;
   if (seen.step < kHoldFrom * wanted) return false;
-  // Of frames that are equally sharp the later one makes the more even steps.
-  const auto score = [&](const Seen& s) { return s.sharpness * (0.85 + 0.15 * s.step / wanted); };
+  const auto score = [&](const Seen& s) { return s.sharpness * (1 - kStepWeight + kStepWeight * s.step / wanted); };
   return score(seen) >= score(*held_);
 }
 
@@ -147,7 +132,7 @@ void FrameChooser::measure_speed(const OfferedFrame& frame) {
   if (seconds <= 0 || !previous_) return;
   const Shift since = estimate_shift(previous_->thumbnail, frame.thumbnail);
   const double now = since.match >= kGoodMatch ? std::abs(since.dx_px) / frame.thumbnail.width / seconds : speed_;
-  const double weight = std::min(1.0, seconds / 0.25);
+  const double weight = std::min(1.0, seconds / kSpeedSmoothing_s);
   speed_ += weight * (now - speed_);
   frame_interval_s_ = seconds;
   if (speed_ >= kIdleSpeed) slow_since_ns_ = frame.time_ns;
@@ -185,7 +170,7 @@ Guidance FrameChooser::guidance() const {
     guidance.advice = Advice::level;
   } else if (turned_ - turned_before_ < kTurnBack) {
     guidance.advice = Advice::turn_back;
-  } else if (last_ns_ - slow_since_ns_ > kPatience_ns) {
+  } else if (last_ns_ - slow_since_ns_ > kIdlePatience_ns) {
     guidance.advice = Advice::faster;
   }
   return guidance;

@@ -74,7 +74,7 @@ class FrameChooser {
   double tilt_before_ = 0, tilt_ = 0;
   double speed_ = 0;  // shares of the width per second, smoothed
   double brightness_ = 0;
-  double blur_limit_ = 0.6;  // speed at which motion blurs
+  double blur_limit_ = 0;  // speed at which motion blurs
   double frame_interval_s_ = 0;
   int64_t last_ns_ = 0, slow_since_ns_ = 0;
 };

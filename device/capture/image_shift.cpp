@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "device/capture/capture_tuning.h"
+
 namespace ldp {
 namespace {
 
@@ -34,7 +36,6 @@ GreyImage halve(const GreyImage& image) {
 
 // What is left of an image without its slow changes (vignetting, sky to ground): minus the mean of a window around.
 Plane<int16_t> without_slow_changes(const GreyImage& image) {
-  constexpr int kReach = 4;
   Plane<int> sums(image.width + 1, image.height + 1, 0);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
@@ -43,9 +44,9 @@ Plane<int16_t> without_slow_changes(const GreyImage& image) {
   }
   Plane<int16_t> detail(image.width, image.height);
   for (int y = 0; y < image.height; ++y) {
-    const int top = std::max(0, y - kReach), bottom = std::min(image.height, y + kReach + 1);
+    const int top = std::max(0, y - kDetailReach_px), bottom = std::min(image.height, y + kDetailReach_px + 1);
     for (int x = 0; x < image.width; ++x) {
-      const int left = std::max(0, x - kReach), right = std::min(image.width, x + kReach + 1);
+      const int left = std::max(0, x - kDetailReach_px), right = std::min(image.width, x + kDetailReach_px + 1);
       const int sum = sums.at(right, bottom) - sums.at(left, bottom) - sums.at(right, top) + sums.at(left, top);
       detail.at(x, y) = static_cast<int16_t>(image.at(x, y) - sum / ((right - left) * (bottom - top)));
     }
@@ -69,7 +70,7 @@ Detail detail_of(const GreyImage& image) {
 double correlation(const Detail& first, const Detail& second, int dx, int dy) {
   const int left = std::max(0, -dx), right = std::min(first.values.width, second.values.width - dx);
   const int top = std::max(0, -dy), bottom = std::min(first.values.height, second.values.height - dy);
-  if (right - left < 8 || bottom - top < 8) return -1;
+  if (right - left < kLeastOverlap_px || bottom - top < kLeastOverlap_px) return -1;
   int64_t product = 0;
   for (int y = top; y < bottom; ++y) {
     const int16_t* a = first.values.row(y);
@@ -80,8 +81,7 @@ double correlation(const Detail& first, const Detail& second, int dx, int dy) {
   }
   const double energy = std::sqrt(static_cast<double>(first.energy(left, top, right, bottom)) *
                                   static_cast<double>(second.energy(left + dx, top + dy, right + dx, bottom + dy)));
-  // A constant keeps noise in flat pictures from looking like a match.
-  const double floor = 4.0 * (right - left) * (bottom - top);
+  const double floor = kNoiseEnergy * (right - left) * (bottom - top);
   return static_cast<double>(product) / (energy + floor);
 }
 
@@ -115,8 +115,8 @@ Shift estimate_shift(const GreyImage& first, const GreyImage& second, double rea
   }
   const Detail fine_first = detail_of(first), fine_second = detail_of(second);
   const Detail coarse_first = detail_of(halve(first)), coarse_second = detail_of(halve(second));
-  const int across = static_cast<int>(coarse_first.values.width * std::min(reach, 0.75));
-  const int down = std::max(2, coarse_first.values.height / 5);
+  const int across = static_cast<int>(coarse_first.values.width * std::min(reach, kMostReach));
+  const int down = std::max(2, static_cast<int>(coarse_first.values.height * kReachDown));
   const Search coarse = best_in(coarse_first, coarse_second, {-across, across, -down, down});
   const Search fine =
       best_in(fine_first, fine_second, {2 * coarse.dx - 2, 2 * coarse.dx + 2, 2 * coarse.dy - 2, 2 * coarse.dy + 2});
