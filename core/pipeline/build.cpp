@@ -123,7 +123,7 @@ class Build {
       if (options.pitch_px > kCoarsest)
         throw Impossible("this sweep needs at least " + mebibytes(scratch_ ? needed_.least : needed_.all) +
                          " of memory, " + mebibytes(options_.memory_bytes) +
-                         " are allowed (--memory): allow more or use smaller photos");
+                         " are allowed (memory_bytes): allow more or use smaller photos");
       options.pitch_px *= kCoarser;
     }
     if (options.pitch_px > 1)
@@ -141,11 +141,11 @@ class Build {
       return std::string(digits);
     };
     throw std::invalid_argument(
-        (far_given ? "--far " + text(options_.far_depth) : "--near " + text(options_.near_depth)) +
+        (far_given ? "far_depth " + text(options_.far_depth) : "near_depth " + text(options_.near_depth)) +
         (far_given ? ": is nearer than what is nearest in the photos, at "
                    : ": is farther than what is farthest in the photos, at ") +
         text(1 / (far_given ? grid_.w_near : grid_.w_far)) +
-        (far_given ? ": give a larger one, or --near too" : ": give a smaller one, or --far too"));
+        (far_given ? ": give a larger one, or near_depth too" : ": give a smaller one, or far_depth too"));
   }
 
   // Whether the grid fits the memory allowed; what does not fit goes to files where it may.

@@ -9,8 +9,9 @@
 #include <system_error>
 
 #include "device/tool/commands.h"
-#include "device/tool/interrupt.h"
-#include "device/tool/out_of_memory.h"
+#include "device/tool/process/interrupt.h"
+#include "device/tool/process/out_of_memory.h"
+#include "device/tool/switches.h"
 
 namespace ldp {
 namespace {
@@ -71,15 +72,15 @@ int run(const Program& program) {
   } catch (const BadInput& error) {
     return complain(program, error.what(), kBadInput);
   } catch (const Impossible& error) {
-    return complain(program, error.what(), kCannotBeDone);
+    return complain(program, with_switches(error.what()), kCannotBeDone);
   } catch (const std::bad_alloc&) {
     return complain(program, out_of_memory(program), kCannotBeDone);
   } catch (const std::system_error& error) {
     return complain(program, error.what(), kCannotBeDone);
   } catch (const std::invalid_argument& error) {
-    return complain(program, error.what(), kBadInput);
+    return complain(program, with_switches(error.what()), kBadInput);
   } catch (const std::runtime_error& error) {
-    return complain(program, error.what(), kBadInput);
+    return complain(program, with_switches(error.what()), kBadInput);
   } catch (const std::exception& error) {
     return complain(program, std::string("internal error: ") + error.what() + ": please report it", kCannotBeDone);
   }

@@ -12,7 +12,7 @@
 
 #include "core/base/files.h"
 #include "core/base/job.h"
-#include "device/tool/interrupt.h"
+#include "device/tool/process/interrupt.h"
 #include "device/tool/session.h"
 
 namespace ldp {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "device/tool/progress_bar.h"
+#include "device/tool/process/progress_bar.h"
 
 namespace ldp {
 

@@ -17,7 +17,8 @@
 #include "device/tool/commands/follow_capture.h"
 #include "device/tool/output.h"
 #include "device/tool/own_output.h"
-#include "device/tool/progress_bar.h"
+#include "device/tool/process/progress_bar.h"
+#include "device/tool/switches.h"
 
 namespace ldp {
 namespace {
@@ -63,7 +64,8 @@ void print_summary(const BuildCommand& command, const BuildResult& result, size_
   for (const FrameReport& frame : result.report.poses.frames) {
     if (!frame.posed) std::printf("%s: left out: %s\n", frame.name.c_str(), frame.reason.c_str());
   }
-  for (const std::string& note : result.report.notes) std::fprintf(stderr, "ldp build: %s\n", note.c_str());
+  for (const std::string& note : with_switches(result.report.notes))
+    std::fprintf(stderr, "ldp build: %s\n", note.c_str());
 }
 
 int run(const BuildCommand& command, const Session& session) {

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/panorama/file/ldp_file.h"
+#include "device/tool/switches.h"
 
 namespace ldp {
 namespace {
@@ -60,7 +61,7 @@ Json poses_json(const PosesReport& poses) {
   json["posed"] = std::count_if(poses.frames.begin(), poses.frames.end(), [](const FrameReport& f) { return f.posed; });
   json["points"] = poses.points;
   json["reprojection_px"] = poses.reprojection_px;
-  json["doubt"] = poses.doubt;
+  json["doubt"] = with_switches(poses.doubt);
   json["frames"] = Json::array();
   for (const FrameReport& frame : poses.frames) {
     json["frames"].push_back({{"name", frame.name},
@@ -124,7 +125,7 @@ Json report_json(const BuildReport& report, const LayeredPanorama& panorama) {
   json["solves"] = Json::array();
   for (const SolveEntry& solve : report.solves) json["solves"].push_back(solve_json(solve));
   json["poses"] = poses_json(report.poses);
-  json["notes"] = report.notes;
+  json["notes"] = with_switches(report.notes);
   return json;
 }
 

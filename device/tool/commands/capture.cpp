@@ -10,8 +10,8 @@
 
 #include "device/service/capture_session.h"
 #include "device/tool/commands.h"
-#include "device/tool/interrupt.h"
 #include "device/tool/number_within.h"
+#include "device/tool/process/interrupt.h"
 
 namespace ldp {
 namespace {

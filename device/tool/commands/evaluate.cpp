@@ -18,7 +18,8 @@
 #include "device/tool/commands/baseline.h"
 #include "device/tool/commands/build_report.h"
 #include "device/tool/output.h"
-#include "device/tool/progress_bar.h"
+#include "device/tool/process/progress_bar.h"
+#include "device/tool/switches.h"
 
 namespace ldp {
 namespace {
@@ -174,7 +175,7 @@ void print(const std::vector<Row>& rows, const BuildReport& report, bool json) {
     Json all{{"views", Json::array()},
              {"mean", quality_json(ours)},
              {"baseline_mean", quality_json(baseline)},
-             {"notes", report.notes}};
+             {"notes", with_switches(report.notes)}};
     for (const Row& row : rows)
       all["views"].push_back(
           {{"name", row.name}, {"view", quality_json(row.ours)}, {"baseline", quality_json(row.baseline)}});
@@ -184,7 +185,7 @@ void print(const std::vector<Row>& rows, const BuildReport& report, bool json) {
   for (const Row& row : rows) print_row(row.name, row.ours);
   print_row("mean", ours);
   print_row("nearest photo, one depth", baseline);
-  for (const std::string& note : report.notes) std::printf("%s\n", note.c_str());
+  for (const std::string& note : with_switches(report.notes)) std::printf("%s\n", note.c_str());
 }
 
 int run(const EvaluateCommand& command, const Session& session) {

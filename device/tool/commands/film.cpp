@@ -15,9 +15,9 @@
 
 #include "core/base/files.h"
 #include "core/base/job.h"
-#include "device/tool/interrupt.h"
 #include "device/tool/output.h"
 #include "device/tool/own_output.h"
+#include "device/tool/process/interrupt.h"
 #include "device/tool/session.h"
 
 extern char** environ;

@@ -17,7 +17,8 @@
 #include "device/tool/commands/build_report.h"
 #include "device/tool/output.h"
 #include "device/tool/own_output.h"
-#include "device/tool/progress_bar.h"
+#include "device/tool/process/progress_bar.h"
+#include "device/tool/switches.h"
 
 namespace ldp {
 namespace {
@@ -81,7 +82,8 @@ void print_table(const PosesReport& report) {
   }
   std::printf("%d points, %.2f px\n", report.points, report.reprojection_px);
   if (report.motion == Motion::rotation) std::printf("no parallax was found: the camera only turned\n");
-  if (!report.doubt.empty()) std::fprintf(stderr, "ldp poses: these poses may be wrong: %s\n", report.doubt.c_str());
+  if (!report.doubt.empty())
+    std::fprintf(stderr, "ldp poses: these poses may be wrong: %s\n", with_switches(report.doubt).c_str());
 }
 
 int run(const PosesCommand& command, const Session& session) {

@@ -19,7 +19,7 @@
 #include "device/tool/output.h"
 #include "device/tool/own_output.h"
 #include "device/tool/panorama_input.h"
-#include "device/tool/progress_bar.h"
+#include "device/tool/process/progress_bar.h"
 
 namespace ldp {
 namespace {

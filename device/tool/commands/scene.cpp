@@ -8,7 +8,7 @@
 #include "device/tool/commands.h"
 #include "device/tool/number_within.h"
 #include "device/tool/output.h"
-#include "device/tool/progress_bar.h"
+#include "device/tool/process/progress_bar.h"
 #include "sim/scene/scenes.h"
 #include "sim/scene_capture.h"
 

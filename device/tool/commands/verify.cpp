@@ -10,7 +10,7 @@
 #include "core/panorama/file/ldp_file.h"
 #include "device/tool/commands.h"
 #include "device/tool/output.h"
-#include "device/tool/progress_bar.h"
+#include "device/tool/process/progress_bar.h"
 
 namespace ldp {
 namespace {

@@ -1,4 +1,4 @@
-#include "device/tool/interrupt.h"
+#include "device/tool/process/interrupt.h"
 
 #include <unistd.h>
 #include <csignal>

@@ -1,4 +1,4 @@
-#include "device/tool/progress_bar.h"
+#include "device/tool/process/progress_bar.h"
 
 #include <unistd.h>
 

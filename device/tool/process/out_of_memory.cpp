@@ -1,4 +1,4 @@
-#include "device/tool/out_of_memory.h"
+#include "device/tool/process/out_of_memory.h"
 
 #include <unistd.h>
 
@@ -7,7 +7,7 @@
 #include <exception>
 #include <new>
 
-#include "device/tool/interrupt.h"
+#include "device/tool/process/interrupt.h"
 #include "device/tool/session.h"
 
 namespace ldp {

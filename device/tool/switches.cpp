@@ -1,0 +1,45 @@
+#include "device/tool/switches.h"
+
+#include <string_view>
+
+namespace ldp {
+namespace {
+
+struct Words {
+  std::string_view core, here;
+};
+
+constexpr Words kWords[] = {
+    {"give the field of view", "give the field of view (--fov)"},
+    {"memory_bytes", "--memory"},
+    {"near_depth", "--near"},
+    {"far_depth", "--far"},
+};
+
+// Not a part of a longer word, nor of a path.
+bool stands_alone(const std::string& text, size_t at, size_t length) {
+  const size_t after = at + length;
+  const auto is_one_of = [&](size_t i, std::string_view allowed) { return allowed.find(text[i]) != allowed.npos; };
+  return (at == 0 || is_one_of(at - 1, " (")) && (after == text.size() || is_one_of(after, " ),:;"));
+}
+
+}  // namespace
+
+std::string with_switches(const std::string& message) {
+  std::string text = message;
+  for (const Words& words : kWords) {
+    for (size_t at = 0; (at = text.find(words.core, at)) != std::string::npos; ++at) {
+      const bool said = text.compare(at, words.here.size(), words.here) == 0;
+      if (!said && stands_alone(text, at, words.core.size())) text.replace(at, words.core.size(), words.here);
+    }
+  }
+  return text;
+}
+
+std::vector<std::string> with_switches(const std::vector<std::string>& messages) {
+  std::vector<std::string> texts;
+  for (const std::string& message : messages) texts.push_back(with_switches(message));
+  return texts;
+}
+
+}  // namespace ldp
