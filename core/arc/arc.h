@@ -12,19 +12,13 @@
 
 namespace ldp {
 
-struct ArcOptions {
-  // Largest radius, in path lengths; straight paths get it. The rays of a larger circle would run parallel, and what
-  // the cameras at its ends see aside would lie far beyond the panorama's ends.
-  double straight_radius_factor = 1.5;
-};
-
 struct ArcFit {
   Arc arc;
   std::vector<double> radial_residuals, height_residuals;  // per camera, capture's unit
   bool straight = false;                                   // the path did not bend enough to fix a radius
 };
 
-ArcFit fit_arc(const std::vector<Camera>& cameras, const ArcOptions& options);
+ArcFit fit_arc(const std::vector<Camera>& cameras);
 
 // What to do where the photos lie on their side, told by cameras in the order of the sweep that go or turn up or down
 // in their pictures; empty where they go to the side, or nothing is clear.

@@ -26,6 +26,10 @@ constexpr double kTangentialSigma = 0.20;       // the same along the circle, ag
 constexpr double kRoughest = 0.2;               // radial residual, in radii, of what still counts as going round
 constexpr double kStraightAngle = 8 * kDegree;  // a path that bends less than this counts as straight
 
+// In path lengths; straight paths get it. The rays of a larger circle would run parallel, and what the cameras at its
+// ends see aside would lie far beyond the panorama's ends.
+constexpr double kLargestRadius = 1.5;
+
 // The circle is rounded to this share of its radius and of a radian, a hundred-thousandth of a pixel: the last bits of
 // a fit depend on the processor.
 constexpr int kFitBits = 24;
@@ -242,7 +246,7 @@ std::pair<double, Eigen::Vector2d> chord(const std::vector<FlatCamera>& cameras)
 
 // A straight path: the circle is so large that it hardly bends, and touches the path where the cameras stand, on the
 // side away from where they look.
-Circle straight_circle(const std::vector<FlatCamera>& cameras, double factor) {
+Circle straight_circle(const std::vector<FlatCamera>& cameras) {
   const auto [length, main] = chord(cameras);
   Eigen::Vector2d mean = Eigen::Vector2d::Zero(), forward = Eigen::Vector2d::Zero();
   for (const FlatCamera& camera : cameras) mean += camera.centre, forward += camera.forward;
@@ -251,7 +255,7 @@ Circle straight_circle(const std::vector<FlatCamera>& cameras, double factor) {
   if (outward.dot(forward) < 0) outward = -outward;
   const double sideways = outward.dot(forward) / std::max(forward.norm(), 1e-12);
   if (sideways < 0.3) outward = forward.normalized();  // the camera moved along its line of sight
-  const double radius = factor * std::max(length, 1e-9);
+  const double radius = kLargestRadius * std::max(length, 1e-9);
   return {mean - radius * outward, radius};
 }
 
@@ -298,7 +302,7 @@ bool comes_back(const Angles& angles, double half_view) {
   return angles.gap < std::min(std::max(1.5 * angles.step, 1.2 * half_view), 1.5 * half_view);
 }
 
-void check(const std::vector<Camera>& cameras, const ArcOptions& options) {
+void check(const std::vector<Camera>& cameras) {
   if (cameras.size() < 3) {
     throw Impossible("an arc needs at least 3 cameras, got " + std::to_string(cameras.size()));
   }
@@ -307,13 +311,12 @@ void check(const std::vector<Camera>& cameras, const ArcOptions& options) {
       throw std::runtime_error("camera " + camera.name + ": its pose is not a number");
     }
   }
-  if (!(options.straight_radius_factor >= 1)) throw std::logic_error("straight_radius_factor must be at least 1");
 }
 
 }  // namespace
 
-ArcFit fit_arc(const std::vector<Camera>& cameras, const ArcOptions& options) {
-  check(cameras, options);
+ArcFit fit_arc(const std::vector<Camera>& cameras) {
+  check(cameras);
   const Eigen::Vector3d axis = rounded_direction(fit_axis(cameras)), middle = mean_centre(cameras);
   const Eigen::Matrix3d world_from_flat = frame_around(axis);
 
@@ -327,9 +330,8 @@ ArcFit fit_arc(const std::vector<Camera>& cameras, const ArcOptions& options) {
   std::optional<Circle> circle = one_place ? Circle{} : fit_circle(flat, scale);
   ArcFit fit;
   fit.straight = !circle || (!one_place && chord(flat).first < kStraightAngle * circle->radius);
-  const bool flat_path =
-      fit.straight || (!one_place && circle->radius > options.straight_radius_factor * chord(flat).first);
-  if (flat_path) circle = straight_circle(flat, options.straight_radius_factor);
+  const bool flat_path = fit.straight || (!one_place && circle->radius > kLargestRadius * chord(flat).first);
+  if (flat_path) circle = straight_circle(flat);
   circle = rounded_circle(*circle);
 
   std::vector<double> heights;

@@ -16,11 +16,7 @@ constexpr double kTallest = 1.5;
 constexpr double kLowestShare = 0.02;  // percentiles of the points' inverse depths taken as far and near
 
 // Points that three cameras agree on are hardly ever wrong: a few of them, nearer than the percentile, are something
-// near that has few points, such as a railing. (Photos alone, with v without: `ldp scene repeated`, which has one,
-// 22.08 v 20.71 dB, its garden with a field of view of 50 degrees 26.80 v 26.60, its terrace 26.92 v 26.90. Where
-// nothing such is near the bound moves by a few per cent: redkitchen_arc 23.25 v 23.27, atrium_360 22.03 v 22.01,
-// desk_sweep, courtyard_360, kitchen_sideways and apartment_dolly within 0.01; the standard sweep 20.66 v 20.68, on its
-// arc 22.31 v 22.28.)
+// near that has few points, such as a railing.
 constexpr size_t kSureCameras = 3, kFewestSure = 8;
 constexpr double kSureShare = 0.001;  // of all points, and kFewestSure at least
 
@@ -241,7 +237,7 @@ PanoramaGrid lay_grid(const Arc& arc, const std::vector<Camera>& cameras, const 
 
 int columns_of_colour(const PanoramaGrid& grid, const std::vector<Camera>& cameras,
                       const std::vector<ScenePoint>& points) {
-  constexpr int kMost = 2;  // with 3, evaluations of close sweeps are no better and files larger
+  constexpr int kMost = 2;
   std::vector<double> inverse;
   for (const ScenePoint& point : points) {
     const double w = locate(grid, point.position).inverse_depth;

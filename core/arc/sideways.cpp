@@ -27,8 +27,8 @@ std::string sideways(const std::vector<Camera>& cameras) {
   const double down = std::abs(way.y()), aside = std::abs(way.x());
   const bool turns = std::max(nod, pan) > kLeastTurn;
   if (turns ? nod <= kClearly * pan : down <= kClearly * aside || down <= kLeastShare * length) return {};
-  return "the sweep goes up or down in the photos: where the camera lay on its side, --turn 90 or --turn 270 shows "
-         "things upright, where it stood upright, no --turn";
+  return "the sweep goes up or down in the photos: where the camera lay on its side, a turn by 90 or by 270 degrees "
+         "shows things upright, where it stood upright, no turn";
 }
 
 }  // namespace ldp

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/colour/colour_tuning.h"
+
 namespace ldp::colour {
 namespace {
 
@@ -26,12 +28,12 @@ Between between(int64_t px, int64_t size_px, int64_t cells) {
 
 }  // namespace
 
-Colour agreed(std::span<const Colour> samples) {
+Colour consensus(std::span<const Colour> samples) {
   if (samples.size() < 3) return samples.front();
   const size_t drop = (samples.size() + 1) / 4;
   Colour result{};
   for (size_t k = 0; k < result.size(); ++k) {
-    std::array<int, 1 + kWitnesses> sorted;
+    std::array<int, 1 + kNeighbourViews> sorted;
     sorted.fill(std::numeric_limits<int>::max());
     std::transform(samples.begin(), samples.end(), sorted.begin(), [k](const Colour& c) { return c[k]; });
     std::sort(sorted.begin(), sorted.end());
@@ -46,19 +48,19 @@ BrightnessDifferences::BrightnessDifferences(const PanoramaGrid& grid)
     : width_(grid.width),
       height_(grid.height),
       wraps_(grid.wraps),
-      columns_((grid.width + kCellPx - 1) / kCellPx),
-      rows_((grid.height + kCellPx - 1) / kCellPx),
-      cells_(static_cast<size_t>(columns_) * static_cast<size_t>(rows_) * kWitnesses) {}
+      columns_((grid.width + tuning::kBrightnessCellPx - 1) / tuning::kBrightnessCellPx),
+      rows_((grid.height + tuning::kBrightnessCellPx - 1) / tuning::kBrightnessCellPx),
+      cells_(static_cast<size_t>(columns_) * static_cast<size_t>(rows_) * kNeighbourViews) {}
 
 void BrightnessDifferences::clear() { std::fill(cells_.begin(), cells_.end(), std::nullopt); }
 
-size_t BrightnessDifferences::place(int column, int row, int witness) const {
+size_t BrightnessDifferences::place(int column, int row, int neighbour) const {
   const auto cell = static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
-  return cell * kWitnesses + static_cast<size_t>(witness);
+  return cell * kNeighbourViews + static_cast<size_t>(neighbour);
 }
 
-void BrightnessDifferences::set(int column, int row, int witness, std::vector<Colour>& samples) {
-  if (samples.size() < kLeastSamples) return;
+void BrightnessDifferences::set(int column, int row, int neighbour, std::vector<Colour>& samples) {
+  if (samples.size() < tuning::kBrightnessLeastSamples) return;
   const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
   Colour median{};
   for (size_t k = 0; k < median.size(); ++k) {
@@ -66,10 +68,10 @@ void BrightnessDifferences::set(int column, int row, int witness, std::vector<Co
                      [k](const Colour& a, const Colour& b) { return a[k] < b[k]; });
     median[k] = (*middle)[k];
   }
-  cells_[place(column, row, witness)] = median;
+  cells_[place(column, row, neighbour)] = median;
 }
 
-std::optional<Colour> BrightnessDifferences::at(int x, int y, int witness) const {
+std::optional<Colour> BrightnessDifferences::at(int x, int y, int neighbour) const {
   const Between across = between(x, width_, columns_), down = between(y, height_, rows_);
   std::array<int64_t, 3> sum{};
   int64_t weights = 0;
@@ -79,7 +81,7 @@ std::optional<Colour> BrightnessDifferences::at(int x, int y, int witness) const
       const int row = down.first + j;
       if (wraps_) column = (column + columns_) % columns_;
       if (column < 0 || row < 0 || column >= columns_ || row >= rows_) continue;
-      const std::optional<Colour>& known = cells_[place(column, row, witness)];
+      const std::optional<Colour>& known = cells_[place(column, row, neighbour)];
       if (!known) continue;
       const int64_t weight =
           (i ? across.beyond : across.whole - across.beyond) * (j ? down.beyond : down.whole - down.beyond);

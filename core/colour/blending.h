@@ -16,11 +16,18 @@
 
 namespace ldp::colour {
 
-// Per channel the mean of all but a quarter at either end, rounded: the median of three, the mean of the middle three
-// of five or seven. Of one or two samples, the first. At least one, at most 1 + kWitnesses.
-Colour agreed(std::span<const Colour> samples);
+// The photographs that are asked what they show of a pixel, beside its own: those taken just before and after it (of a
+// closed sweep, too, the first has none before it).
+constexpr int kViewsAside = 3, kNeighbourViews = 2 * kViewsAside;
 
-// By how much the photographs beside one of them (by witness_bit) are brighter than it, where both see one surface:
+// Which of them is the one taken `offset` later (-kViewsAside .. kViewsAside, not 0).
+constexpr int neighbour_bit(int offset) { return offset < 0 ? offset + kViewsAside : offset + kViewsAside - 1; }
+
+// Per channel the mean of all but a quarter at either end, rounded: the median of three, the mean of the middle three
+// of five or seven. Of one or two samples, the first. At least one, at most 1 + kNeighbourViews.
+Colour consensus(std::span<const Colour> samples);
+
+// By how much the photographs beside one of them (by neighbour_bit) are brighter than it, where both see one surface:
 // the median of a cell, bilinear between cells.
 class BrightnessDifferences {
  public:
@@ -32,16 +39,13 @@ class BrightnessDifferences {
   int begin_y(int row) const { return row * height_ / rows_; }
   void clear();
 
-  // Of a cell. Of fewer than kLeastSamples nothing is known.
-  void set(int column, int row, int witness, std::vector<Colour>& samples);
+  // Of a cell. Of fewer than kBrightnessLeastSamples nothing is known.
+  void set(int column, int row, int neighbour, std::vector<Colour>& samples);
   // Between the cells that know it; nothing where none does.
-  std::optional<Colour> at(int x, int y, int witness) const;
+  std::optional<Colour> at(int x, int y, int neighbour) const;
 
  private:
-  static constexpr int kCellPx = 64;  // at most, spread evenly over the panorama
-  static constexpr size_t kLeastSamples = 8;
-
-  size_t place(int column, int row, int witness) const;
+  size_t place(int column, int row, int neighbour) const;
 
   int width_, height_;
   bool wraps_;

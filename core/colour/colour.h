@@ -26,13 +26,6 @@
 
 namespace ldp {
 
-// The photographs that are asked what they show of a pixel, beside its own: those taken just before and after it (of a
-// closed sweep, too, the first has none before it).
-constexpr int kBeside = 3, kWitnesses = 2 * kBeside;
-
-// Which of them is the one taken `offset` later (-kBeside .. kBeside, not 0).
-constexpr int witness_bit(int offset) { return offset < 0 ? offset + kBeside : offset + kBeside - 1; }
-
 struct ColourOptions {
   double mixed_px = 1.5;      // a sample so close to a nearer surface may be mixed with it
   double mixed_deg = 8;       // what that costs
@@ -41,7 +34,7 @@ struct ColourOptions {
                               // three candidates or more
   int seam_cell_px = 16;      // seams are spread in cells of this size
   bool guess_hidden = false;  // a pixel that every camera has hidden takes what lies in front of it
-  bool even_seams = true;
+  bool level_seams = true;
 };
 
 // The frames that see each pixel of one layer (paper equation 7). What is referred to and not empty must outlive it.
@@ -58,8 +51,9 @@ class SourceCandidates final : public ColourCosts {
   uint8_t depth_label(int x, int y) const override;
   bool present(int x, int y) const override { return layer_.at(x, y) != kNoDisparity; }
 
-  // Of each pixel that is taken from photograph `source`: which of those beside it see the voxel too, by witness_bit.
-  Plane<uint8_t> witnesses(const SourceMap& source, const Job& job) const;
+  // Of each pixel that is taken from photograph `source`: which of those beside it see the voxel too, by
+  // colour::neighbour_bit.
+  Plane<uint8_t> neighbours(const SourceMap& source, const Job& job) const;
 
  private:
   struct Seen {
@@ -74,7 +68,7 @@ class SourceCandidates final : public ColourCosts {
     uint8_t grey = 0, tint = 0;
   };
   Candidate candidate(uint16_t frame, int x, int y, double w, bool through) const;
-  uint8_t witnesses_of(int x, int y, int own) const;
+  uint8_t neighbours_of(int x, int y, int own) const;
   static void doubt_odd_ones(double cost_per_level, Candidate* begin, Candidate* end);
   int collect(int x, int y, bool through, uint16_t frame[16], uint16_t cost[16]) const;
 
@@ -100,12 +94,12 @@ struct Photographs {
 struct ColourTask {
   const DisparityMap* disparity = nullptr;
   const SourceMap* source = nullptr;
-  RgbImage* colour = nullptr;                 // sized like the grid
-  const Plane<uint8_t>* witnesses = nullptr;  // of each pixel; null = every pixel's own photograph alone
+  RgbImage* colour = nullptr;                  // sized like the grid
+  const Plane<uint8_t>* neighbours = nullptr;  // of each pixel; null = every pixel's own photograph alone
 };
 
 // Fills the colours of all layers, reading each photograph once.
-void fetch_colours(const PanoramaGrid& grid, const Photographs& photographs, const std::vector<ColourTask>& tasks,
+void blend_colours(const PanoramaGrid& grid, const Photographs& photographs, const std::vector<ColourTask>& tasks,
                    const ColourOptions& options, const Job& job);
 
 }  // namespace ldp

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/colour/colour_tuning.h"
+
 namespace ldp::colour {
 namespace {
 
-constexpr int kSweeps = 120;         // of Gauss-Seidel; offsets decay within about ten cells
-constexpr int kLargestStep = 40;     // grey levels; larger ones are another object, not another exposure
-constexpr double kSeamWeight = 0.1;  // of one sample, against 1 for a full side between two cells
-constexpr double kDecay = 0.02;      // pull of a full cell's offset towards zero
+using namespace tuning;
 
 struct Link {
   int to = 0;
@@ -67,9 +66,9 @@ class OffsetField {
     for (auto& in_cell : nodes_)
       for (Node& node : in_cell) all.push_back(&node);
     const double full = static_cast<double>(cell_px_) * cell_px_;
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (int sweep = 0; sweep < kLevellingSweeps; ++sweep) {
       job.check();
-      for (Node* node : all) relax(all, kDecay * std::min(1.0, node->pixels / full) + 1e-6, *node);
+      for (Node* node : all) relax(all, kOffsetDecay * std::min(1.0, node->pixels / full) + 1e-6, *node);
     }
   }
 
@@ -178,8 +177,8 @@ bool is_exposure(const SeamSample& s) {
 
 }  // namespace
 
-void even_seams(const PanoramaGrid& grid, const std::vector<ColourTask>& tasks, const SeamSamples& for_each_sample,
-                const ColourOptions& options, const Job& job) {
+void level_seams(const PanoramaGrid& grid, const std::vector<ColourTask>& tasks, const SeamSamples& for_each_sample,
+                 const ColourOptions& options, const Job& job) {
   OffsetField field(grid, options.seam_cell_px);
   for (const ColourTask& task : tasks) field.count(*task.source);
   field.number();

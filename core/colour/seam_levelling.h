@@ -27,7 +27,7 @@ struct SeamSample {
 using SeamSamples = std::function<void(const std::function<void(const SeamSample&)>&)>;
 
 // Changes the colours of all tasks.
-void even_seams(const PanoramaGrid& grid, const std::vector<ColourTask>& tasks, const SeamSamples& for_each_sample,
-                const ColourOptions& options, const Job& job);
+void level_seams(const PanoramaGrid& grid, const std::vector<ColourTask>& tasks, const SeamSamples& for_each_sample,
+                 const ColourOptions& options, const Job& job);
 
 }  // namespace ldp::colour

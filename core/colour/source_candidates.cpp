@@ -3,18 +3,19 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/colour/blending.h"
 #include "core/colour/colour.h"
+#include "core/colour/colour_tuning.h"
 
 namespace ldp::colour {
 namespace {
 
+using namespace tuning;
+
 constexpr double kCostPerDegree = 64;
 constexpr double kCostPerRadian = kCostPerDegree * 180 / std::numbers::pi;
-constexpr int kMaxCandidates = 8;      // the cameras nearest to the ray among those that see the voxel
 constexpr double kBehindCamera = 0.1;  // least forward * w of a voxel worth projecting
 constexpr int kColumnsAtOnce = 64;
-constexpr int kNoise = 3;        // levels by which samples of one surface may differ
-constexpr int kMostDiffer = 60;  // what differs more is just another surface
 
 // Between four samples of a picture stored column by column.
 uint8_t interpolated(const GreyImage& columns, double x_px, double y_px) {
@@ -87,9 +88,8 @@ SourceCandidates::Seen SourceCandidates::look(size_t frame, double x_px, double 
   if (!visibility_ || through) return {true, false};
   const VisibilityMap& map = (*visibility_)[frame];
   const int limit = static_cast<int>(inverse_z / map.scale) + map.tolerance;
-  const auto in_map = [&](double position_px, int size) {
-    const double place = map.shrink == 1 ? position_px : position_px / map.shrink;
-    return std::clamp(static_cast<int>(place), 0, size - 1);
+  const auto in_map = [](double position_px, int size) {
+    return std::clamp(static_cast<int>(position_px), 0, size - 1);
   };
   const auto nearest = [&](double x, double y) {
     return static_cast<int>(map.inverse_z.at(in_map(y, map.inverse_z.width), in_map(x, map.inverse_z.height)));
@@ -149,23 +149,23 @@ int SourceCandidates::collect(int x, int y, bool through, uint16_t frame[16], ui
   return count;
 }
 
-uint8_t SourceCandidates::witnesses_of(int x, int y, int own) const {
+uint8_t SourceCandidates::neighbours_of(int x, int y, int own) const {
   const double w = grid_.inverse_depth(layer_.at(x, y));
   int bits = 0;
-  for (int other = std::max(0, own - kBeside); other <= std::min(frames() - 1, own + kBeside); ++other)
+  for (int other = std::max(0, own - kViewsAside); other <= std::min(frames() - 1, own + kViewsAside); ++other)
     if (other != own && candidate(static_cast<uint16_t>(other), x, y, w, false).cost >= 0)
-      bits |= 1 << witness_bit(other - own);
+      bits |= 1 << neighbour_bit(other - own);
   return static_cast<uint8_t>(bits);
 }
 
 // A few columns at a time: they are few columns of the frames, too.
-Plane<uint8_t> SourceCandidates::witnesses(const SourceMap& source, const Job& job) const {
+Plane<uint8_t> SourceCandidates::neighbours(const SourceMap& source, const Job& job) const {
   Plane<uint8_t> seen_by(source.width(), source.height(), 0);
   parallel_for(job, (source.width() + kColumnsAtOnce - 1) / kColumnsAtOnce, [&](int strip) {
     const int begin = strip * kColumnsAtOnce, end = std::min(source.width(), begin + kColumnsAtOnce);
     for (int y = 0; y < source.height(); ++y)
       for (int x = begin; x < end; ++x)
-        if (source.at(x, y) != kNoSource) seen_by.at(x, y) = witnesses_of(x, y, source.at(x, y));
+        if (source.at(x, y) != kNoSource) seen_by.at(x, y) = neighbours_of(x, y, source.at(x, y));
   });
   return seen_by;
 }

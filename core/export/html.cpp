@@ -37,8 +37,7 @@ RgbImage depth_part(const LayeredPanorama& panorama, const Layer& layer, int beg
       const int from = source_column(panorama, begin + x);
       if (!layer.coverage.at(from, y)) continue;
       const int d = depth.disparity(from, y);
-      const BlockRange range =
-          depth.block_px == 0 ? depth.ranges.samples[0] : depth.ranges.at(from / depth.block_px, y / depth.block_px);
+      const BlockRange range = depth.range(from, y);
       part.at(x, y) = {static_cast<uint8_t>(d >> 8), static_cast<uint8_t>(d & 255),
                        static_cast<uint8_t>(1 + std::min(254, range.high - range.low))};
     }
@@ -87,6 +86,10 @@ std::string export_html(const LayeredPanorama& panorama, const ExportOptions& op
                                        {"inner", panorama.limits.inner_radius},
                                        {"outer", panorama.limits.outer_radius},
                                        {"rise", panorama.limits.height},
+                                       {"steps", kDisparitySteps},
+                                       {"slope", kSurfaceSlope},
+                                       {"tolerance", kSurfaceTolerance},
+                                       {"largestCell", kSurfaceLargestCell},
                                        {"parts", parts_of(panorama, options, job)}};
   std::string page = kViewerPage;
   const std::string mark = "@PANORAMA@";

@@ -6,12 +6,10 @@
 #include <cstdlib>
 #include <unordered_map>
 
+#include "core/geometry/same_surface.h"
+
 namespace ldp {
 namespace {
-
-constexpr int kLargestCell = 32;
-constexpr int kTolerance = 12;  // disparity steps: 0.3 % of the inverse-depth range
-constexpr int kSlope = 40;      // what a slanted surface may change from pixel to pixel
 
 int sign(int v) { return (v > 0) - (v < 0); }
 
@@ -26,9 +24,9 @@ class SurfaceMaker {
 
   Surface run(int begin, int end, const Job& job) {
     const int last = wraps_ ? end : std::min(end, width_ - 1);
-    for (int y = 0; y < height_ - 1; y += kLargestCell) {
+    for (int y = 0; y < height_ - 1; y += kSurfaceLargestCell) {
       job.check();
-      for (int x = begin; x < last; x += kLargestCell) split(x, y, kLargestCell, last);
+      for (int x = begin; x < last; x += kSurfaceLargestCell) split(x, y, kSurfaceLargestCell, last);
     }
     return std::move(surface_);
   }
@@ -47,14 +45,13 @@ class SurfaceMaker {
   // What one code means there.
   int resolution(int x, int y) const {
     const DepthCodes& depth = layer_.depth;
-    const BlockRange r =
-        depth.block_px == 0 ? depth.ranges.samples[0] : depth.ranges.at(column(x) / depth.block_px, y / depth.block_px);
+    const BlockRange r = depth.range(column(x), y);
     return r.high - r.low;
   }
 
   bool joined(const Corner& a, const Corner& b) const {
     return a.present && b.present &&
-           std::abs(a.disparity - b.disparity) <= std::max(a.resolution, b.resolution) + kSlope * step_;
+           connected_.same_surface(a.disparity, b.disparity, std::max(a.resolution, b.resolution));
   }
 
   Corner corner(int x, int y) const {
@@ -86,12 +83,12 @@ class SurfaceMaker {
         const double s = static_cast<double>(x) / size;
         const double t = static_cast<double>(y) / size;
         const double flat = (1 - t) * ((1 - s) * d00 + s * d10) + t * ((1 - s) * d01 + s * d11);
-        if (std::abs(flat - disparity(x0 + x, y0 + y)) > kTolerance) return false;
+        if (std::abs(flat - disparity(x0 + x, y0 + y)) > kSurfaceTolerance) return false;
       }
     // Steep all over: a tear would have shown above as a step, unless the corners' own slope hides it.
     const double steepest =
         std::max({std::abs(d10 - d00), std::abs(d01 - d00), std::abs(d11 - d10), std::abs(d11 - d01)});
-    return steepest <= kSlope * size;
+    return steepest <= kSurfaceSlope * size;
   }
 
   uint32_t shared_vertex(int x, int y) { return shared_vertex(x, y, 0, 0); }
@@ -159,6 +156,7 @@ class SurfaceMaker {
 
   const Layer& layer_;
   int step_;
+  SurfaceTolerance<int> connected_{kSurfaceSlope * step_};
   int width_, height_;
   bool wraps_;
   Surface surface_;

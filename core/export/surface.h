@@ -1,5 +1,5 @@
 // A layer as a surface over the panorama's grid that tears where depth jumps, with few triangles: a quadtree of cells
-// over pixel centres, each a quad where inverse depth is bilinear to within kTolerance, split where not.
+// over pixel centres, each a quad where inverse depth is bilinear to within kSurfaceTolerance, split where not.
 //
 // Cells of different size meet with cracks below the tolerance, less than a pixel of parallax in the viewing space.
 #pragma once
@@ -11,6 +11,10 @@
 #include "core/panorama/panorama.h"
 
 namespace ldp {
+
+constexpr int kSurfaceLargestCell = 32;  // pixels a side
+constexpr int kSurfaceTolerance = 12;    // disparity steps: 0.3 % of the inverse-depth range
+constexpr int kSurfaceSlope = 40;        // what a slanted surface may change from pixel to pixel, in disparity steps
 
 struct SurfaceVertex {
   float x_px = 0, y_px = 0;  // place on the grid, continuous (pixel centres at .5)
@@ -24,7 +28,7 @@ struct Surface {
 };
 
 // The quads between pixel columns [begin, end). In a panorama that wraps, the quad behind the last column leads to
-// column 0. The smallest cells have `step` pixels a side (1, 2, 4 ... 32).
+// column 0. The smallest cells have `step` pixels a side (1, 2, 4 ... kSurfaceLargestCell).
 struct SurfacePart {
   int begin = 0, end = 0;
   int step = 1;

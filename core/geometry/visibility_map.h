@@ -8,12 +8,11 @@
 namespace ldp {
 
 // What one upright camera sees first: inverse distance along `forward` (1 / (q . forward)) of the nearest surface, in
-// units of `scale` per step, stored like the frame's columns (at(y, x)) at 1/`shrink` of its resolution. A voxel is
+// units of `scale` per step, stored like the frame's columns (at(y, x)). A voxel is
 // hidden when the surface is nearer than it by more than `tolerance` steps.
 struct VisibilityMap {
   Plane<uint16_t> inverse_z;
   double scale = 0;
-  int shrink = 1;
   int tolerance = 0;
 };
 

@@ -21,15 +21,13 @@
 
 namespace ldp {
 
-inline double snapped(double value) {
-  constexpr double kSteps = 1 << 30;
-  return std::nearbyint(value * kSteps) / kSteps;
-}
-
 // How sines, axes and offsets are kept.
-enum class Rounding : uint8_t { none, snapped };
+enum class Rounding : uint8_t { none, snapped };  // snapped: to 2^-30
 
-inline double kept(double value, Rounding rounding) { return rounding == Rounding::snapped ? snapped(value) : value; }
+inline double kept(double value, Rounding rounding) {
+  constexpr double kSteps = 1 << 30;
+  return rounding == Rounding::snapped ? std::nearbyint(value * kSteps) / kSteps : value;
+}
 
 // cos and sin of an angle in the arc's plane.
 struct Heading {

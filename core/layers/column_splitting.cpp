@@ -1,11 +1,12 @@
 #include <cstdlib>
 
+#include "core/geometry/same_surface.h"
 #include "core/layers/layers.h"
 
 namespace ldp::layers {
 namespace {
 
-constexpr int kOneSurface = kLabelSteps / 2;  // neighbours on one surface differ by less
+constexpr SurfaceTolerance<int> kOneSurface{kLabelSteps / 2 - 1};  // less than half a label
 
 // Between `own`, where its column has its middle, and `beside` one column away, at `share` of `shares` on that way.
 uint16_t between(int own, int beside, int share, int shares) {
@@ -31,7 +32,7 @@ DisparityMap with_finer_columns(const DisparityMap& layer, int times, bool wraps
         int beside = right_of_middle < 0 ? x - 1 : x + 1;
         if (wraps) beside = (beside + layer.width) % layer.width;
         const int other = beside >= 0 && beside < layer.width ? layer.at(beside, y) : kNoDisparity;
-        const bool one_surface = other != kNoDisparity && std::abs(other - own) < kOneSurface;
+        const bool one_surface = other != kNoDisparity && kOneSurface.same_surface(own, other);
         finer.at(x * times + k, y) =
             one_surface ? between(own, other, std::abs(right_of_middle), shares) : static_cast<uint16_t>(own);
       }

@@ -29,20 +29,20 @@ class ColumnOfVoxels {
  public:
   static constexpr int kStep = kLabelSteps / 2;
 
-  ColumnOfVoxels(const PanoramaGrid& grid, const Eyes& eyes, int x)
-      : grid_(grid), eyes_(eyes), facing_(grid, eyes, x) {}
+  ColumnOfVoxels(const PanoramaGrid& grid, const LinesOfSight& sight, int x)
+      : grid_(grid), sight_(sight), facing_(grid, sight, x) {}
 
-  bool in_sight(int disparity, double v) {
+  bool is_seen(int disparity, double v) {
     auto& columns = at_[static_cast<size_t>(disparity / kStep)];
-    if (!columns) find_voxel_columns(eyes_, facing_, grid_.inverse_depth(disparity), columns.emplace());
+    if (!columns) find_voxel_columns(sight_, facing_, grid_.inverse_depth(disparity), columns.emplace());
     return std::any_of(columns->begin(), columns->end(),
                        [&](const VoxelColumn& c) { return falls_on_uncovered(c, v); });
   }
 
  private:
   const PanoramaGrid& grid_;
-  const Eyes& eyes_;
-  Facing facing_;
+  const LinesOfSight& sight_;
+  FacingCameras facing_;
   std::array<std::optional<std::vector<VoxelColumn>>, kDisparitySteps / kStep + 1> at_;
 };
 
@@ -61,21 +61,20 @@ namespace ldp {
 
 using namespace layers;
 
-Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front,
-                             const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
+Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front, const CameraViews& views,
                              const LayersOptions& options, const Job& job) {
-  const Eyes eyes(grid, frames, maps, job);
+  const LinesOfSight sight(grid, views, job);
   const int gap = gap_steps(grid, options);
   Plane<uint8_t> want(grid.width, grid.height, kUnwanted);
   parallel_for(job, grid.width, [&](int x) {
-    const Facing facing(grid, eyes, x);
+    const FacingCameras facing(grid, sight, x);
     std::vector<OpenRow> open;
     for (int y = 0; y < grid.height; ++y)
       if (front.at(x, y) != kNoDisparity) open.push_back({y, front.at(x, y) - gap, grid.v(y + 0.5)});
     std::vector<VoxelColumn> columns;
     for (int d = 0; !open.empty(); d += kLabelSteps / 2) {
       std::erase_if(open, [d](const OpenRow& row) { return row.nearest < d; });
-      find_voxel_columns(eyes, facing, grid.inverse_depth(d), columns);
+      find_voxel_columns(sight, facing, grid.inverse_depth(d), columns);
       for (const VoxelColumn& voxels : columns)
         for (OpenRow& row : open) {
           if (row.nearest == kSettled || !falls_on_uncovered(voxels, row.v)) continue;
@@ -88,25 +87,24 @@ Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front
   return want;
 }
 
-void move_into_sight(const PanoramaGrid& grid, const DisparityMap& front, int gap,
-                     const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
+void move_to_visible(const PanoramaGrid& grid, const DisparityMap& front, int gap, const CameraViews& views,
                      const Plane<uint8_t>& want, const Job& job, DisparityMap& layer) {
   constexpr int kStep = ColumnOfVoxels::kStep;
-  const Eyes eyes(grid, frames, maps, job);
+  const LinesOfSight sight(grid, views, job);
   parallel_for(job, grid.width, [&](int x) {
-    ColumnOfVoxels voxels(grid, eyes, x);
+    ColumnOfVoxels voxels(grid, sight, x);
     for (int y = 0; y < grid.height; ++y) {
       if (want.at(x, y) != kWanted) continue;
       const int farthest = front.at(x, y) - gap;
       uint16_t& d = layer.at(x, y);
       const int start = (std::min<int>(d == kNoDisparity ? 0 : d, farthest) + kStep / 2) / kStep * kStep;
       const double v = grid.v(y + 0.5);
-      if (d <= farthest && voxels.in_sight(start, v)) continue;
+      if (d <= farthest && voxels.is_seen(start, v)) continue;
       for (int away = 0; away <= kDisparitySteps; away += kStep)
-        if (const int behind = start - away; behind >= 0 && behind <= farthest && voxels.in_sight(behind, v)) {
+        if (const int behind = start - away; behind >= 0 && behind <= farthest && voxels.is_seen(behind, v)) {
           d = static_cast<uint16_t>(behind);
           break;
-        } else if (const int nearer = start + away; nearer <= farthest && voxels.in_sight(nearer, v)) {
+        } else if (const int nearer = start + away; nearer <= farthest && voxels.is_seen(nearer, v)) {
           d = static_cast<uint16_t>(nearer);
           break;
         }
@@ -114,18 +112,17 @@ void move_into_sight(const PanoramaGrid& grid, const DisparityMap& front, int ga
   });
 }
 
-int drop_unseen(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames,
-                const std::vector<VisibilityMap>& maps, const Job& job, DisparityMap& layer) {
-  const Eyes eyes(grid, frames, maps, job);
+int drop_unseen(const PanoramaGrid& grid, const CameraViews& views, const Job& job, DisparityMap& layer) {
+  const LinesOfSight sight(grid, views, job);
   std::vector<int> kept(static_cast<size_t>(grid.width), 0);
   parallel_for(job, grid.width, [&](int x) {
-    const Facing facing(grid, eyes, x);
+    const FacingCameras facing(grid, sight, x);
     int cached = -1;
     std::vector<VoxelColumn> columns;
     for (int y = 0; y < grid.height; ++y) {
       uint16_t& d = layer.at(x, y);
       if (d == kNoDisparity) continue;
-      if (d != cached) find_voxel_columns(eyes, facing, grid.inverse_depth(d), columns);
+      if (d != cached) find_voxel_columns(sight, facing, grid.inverse_depth(d), columns);
       cached = d;
       const double v = grid.v(y + 0.5);
       const bool seen =

@@ -21,13 +21,18 @@
 namespace ldp {
 
 struct LayersOptions {
-  int shrink = 1;                 // resolution of visibility maps, in upright pixels
   double tolerance_labels = 0.4;  // a surface hides what lies further behind it than this
   // Neighbours belong to one surface while their inverse depths differ by less than this share of themselves (a surface
   // seen at a grazing angle) plus this parallax over one arc radius.
   double connect_share = 0.02;
   double connect_px = 3;
   double gap_px = 2;  // a layer behind shows at least so much parallax against the front over one arc radius
+};
+
+// The cameras, and what each sees first.
+struct CameraViews {
+  const std::vector<UprightFrame>& frames;
+  const std::vector<VisibilityMap>& maps;  // one per frame
 };
 
 constexpr int kLabelSteps = kDisparitySteps / (kLabels - 1);  // disparity steps of one label of 16
@@ -47,8 +52,7 @@ enum Want : uint8_t { kUnwanted = 0, kWanted = 1, kBoundary = 2 };
 // uncovered pixel of some camera. kBoundary marks unwanted pixels beside wanted ones whose own surface lies behind the
 // neighbour's front: the background that the next layer continues. `front` holds the deepest layer so far, kNoDisparity
 // where it is absent.
-Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front,
-                             const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
+Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front, const CameraViews& views,
                              const LayersOptions& options, const Job& job);
 
 // Disparity steps of `gap_px`.
@@ -61,13 +65,11 @@ void continue_background(const Plane<uint8_t>& want, const DisparityMap& surface
 
 // Moves wanted pixels that no camera sees at their disparity, or that have none, to the closest one behind `front` at
 // which one does.
-void move_into_sight(const PanoramaGrid& grid, const DisparityMap& front, int gap,
-                     const std::vector<UprightFrame>& frames, const std::vector<VisibilityMap>& maps,
+void move_to_visible(const PanoramaGrid& grid, const DisparityMap& front, int gap, const CameraViews& views,
                      const Plane<uint8_t>& want, const Job& job, DisparityMap& layer);
 
 // Removes from `layer` what no camera sees (pixels become kNoDisparity) and returns the number of pixels kept.
-int drop_unseen(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames,
-                const std::vector<VisibilityMap>& maps, const Job& job, DisparityMap& layer);
+int drop_unseen(const PanoramaGrid& grid, const CameraViews& views, const Job& job, DisparityMap& layer);
 
 // Cuts silhouettes (silhouettes.cpp): moves the outlines of a dense layer's near surfaces inwards to where the
 // photographs put them: a pixel beside a surface further back takes its disparity where few pixels around it match
@@ -77,7 +79,7 @@ void fit_outlines(const PanoramaGrid& grid, const std::vector<UprightFrame>& fra
 
 // Removes connected parts of fewer than `least` pixels: they cost much to store, and a renderer lets the background go
 // on there.
-void drop_specks(int least, bool wraps, DisparityMap& layer);
+void drop_small_components(int least, bool wraps, DisparityMap& layer);
 
 // The layer on a grid of `times` as many columns: between the middles of columns on one surface disparity is linear.
 DisparityMap with_finer_columns(const DisparityMap& layer, int times, bool wraps);

@@ -39,41 +39,43 @@ UncoveredMaps uncovered(const std::vector<VisibilityMap>& maps, const Job& job) 
 
 }  // namespace
 
-Eyes::Eyes(const PanoramaGrid& grid, const std::vector<UprightFrame>& from, const std::vector<VisibilityMap>& maps,
-           const Job& job)
-    : frames(from), shrink(maps.empty() ? 1 : maps[0].shrink), uncovered_maps(uncovered(maps, job)) {
+LinesOfSight::LinesOfSight(const PanoramaGrid& grid, const CameraViews& views, const Job& job)
+    : frames(views.frames), uncovered_maps(uncovered(views.maps, job)) {
   projections.reserve(frames.size());
   for (const UprightFrame& frame : frames) projections.emplace_back(grid, frame.camera);
 }
 
-Facing::Facing(const PanoramaGrid& grid, const Eyes& eyes, int x) : heading(ldp::heading(grid.theta(x + 0.5))) {
+FacingCameras::FacingCameras(const PanoramaGrid& grid, const LinesOfSight& sight, int x)
+    : heading(ldp::heading(grid.theta(x + 0.5))) {
   const double w[2] = {grid.inverse_depth(0), grid.inverse_depth(kDisparitySteps)};
-  for (size_t i = 0; i < eyes.frames.size(); ++i) {
-    const VoxelProjection& projection = eyes.projections[i];
+  for (size_t i = 0; i < sight.frames.size(); ++i) {
+    const VoxelProjection& projection = sight.projections[i];
     const auto u = projection.column(heading);
     const double forward[2] = {projection.forward(u, w[0]), projection.forward(u, w[1])};
     if (forward[0] < 0.09 && forward[1] < 0.09) continue;
     if (forward[0] > 0.1 && forward[1] > 0.1) {  // then its place is monotonic in inverse depth
       const auto [first, last] = std::minmax({projection.x_px(u, w[0]), projection.x_px(u, w[1])});
-      if (last < -1 || first > eyes.frames[i].camera.width + 1) continue;
+      if (last < -1 || first > sight.frames[i].camera.width + 1) continue;
     }
     frames.push_back(i);
   }
 }
 
-void find_voxel_columns(const Eyes& eyes, const Facing& facing, double w, std::vector<VoxelColumn>& seen) {
+void find_voxel_columns(const LinesOfSight& sight, const FacingCameras& facing, double w,
+                        std::vector<VoxelColumn>& seen) {
   seen.clear();
   for (const size_t i : facing.frames) {
-    const VoxelProjection& projection = eyes.projections[i];
+    const VoxelProjection& projection = sight.projections[i];
     const auto u = projection.column(facing.heading);
     const double forward = projection.forward(u, w);
     if (forward < 0.1) continue;
     const double x_px = projection.x_px(u, w);
-    if (!(x_px >= 0 && x_px < eyes.frames[i].camera.width)) continue;
+    if (!(x_px >= 0 && x_px < sight.frames[i].camera.width)) continue;
     const int column = static_cast<int>(x_px);
     const auto index = static_cast<size_t>(column);
-    seen.push_back({eyes.uncovered_maps[i].row(column / eyes.shrink), eyes.shrink, eyes.frames[i].valid_begin[index],
-                    eyes.frames[i].valid_end[index], projection.row_slope(forward), projection.row_offset(w, forward)});
+    seen.push_back({sight.uncovered_maps[i].row(column), sight.frames[i].valid_begin[index],
+                    sight.frames[i].valid_end[index], projection.row_slope(forward),
+                    projection.row_offset(w, forward)});
   }
 }
 

@@ -9,6 +9,7 @@
 #include "core/geometry/geometry.h"
 #include "core/geometry/visibility_map.h"
 #include "core/geometry/voxel_projection.h"
+#include "core/layers/layers.h"
 #include "core/photos/upright_frame.h"
 
 namespace ldp::layers {
@@ -18,40 +19,38 @@ using UncoveredMaps = std::vector<Plane<uint8_t>>;
 
 // The voxels of one column at one inverse depth, as one camera's map sees them: one map column, rows affine in v.
 struct VoxelColumn {
-  const uint8_t* uncovered;  // the map's column
-  int shrink;
+  const uint8_t* uncovered;    // the map's column
   int valid_begin, valid_end;  // rows of the upright frame's column
   double slope, offset;        // upright row = offset + slope v
 };
 
-// Where voxels are looked at from: all cameras.
-struct Eyes {
+// From all cameras.
+struct LinesOfSight {
   const std::vector<UprightFrame>& frames;
-  int shrink;
   std::vector<VoxelProjection> projections;
   UncoveredMaps uncovered_maps;
 
-  Eyes(const PanoramaGrid& grid, const std::vector<UprightFrame>& from, const std::vector<VisibilityMap>& maps,
-       const Job& job);
+  LinesOfSight(const PanoramaGrid& grid, const CameraViews& views, const Job& job);
 };
 
 // The cameras that may see any voxel of a column.
-struct Facing {
+struct FacingCameras {
   Heading heading;
   std::vector<size_t> frames;
 
-  Facing(const PanoramaGrid& grid, const Eyes& eyes, int x);
+  FacingCameras(const PanoramaGrid& grid, const LinesOfSight& sight, int x);
 };
 
 // Those of them that see the column's voxels at inverse depth w.
-void find_voxel_columns(const Eyes& eyes, const Facing& facing, double w, std::vector<VoxelColumn>& seen);
+void find_voxel_columns(const LinesOfSight& sight, const FacingCameras& facing, double w,
+                        std::vector<VoxelColumn>& seen);
 
 // Does the voxel fall on a pixel that no layer covers, or beside one?
 inline bool falls_on_uncovered(const VoxelColumn& voxels, double v) {
   const double y_px = voxels.offset + voxels.slope * v;
   if (!(y_px >= voxels.valid_begin && y_px < voxels.valid_end)) return false;
   const int row = static_cast<int>(y_px);
-  return voxels.uncovered[voxels.shrink == 1 ? row : row / voxels.shrink] != 0;
+  return voxels.uncovered[row] != 0;
 }
 
 }  // namespace ldp::layers

@@ -6,22 +6,17 @@
 #include <cstdlib>
 #include <utility>
 
+#include "core/geometry/same_surface.h"
 #include "core/geometry/voxel_projection.h"
 #include "core/layers/layers.h"
+#include "core/layers/layers_tuning.h"
 #include "core/layers/neighbours.h"
 
 namespace ldp::layers {
 namespace {
 
-constexpr int kReachPx = 12;                     // an outline moves inwards by at most so much
-constexpr double kApartPx = 4;                   // surfaces have an outline where parallax between them exceeds this
-constexpr int kMostViews = 7;                    // cameras that a voxel is asked in
-constexpr int kGreySteps = 16;                   // of tones
-constexpr int kGreyNoise = 2 * kGreySteps;       // that two samples of one surface may differ by
-constexpr int kTintNoise = 4 * kGreySteps;       // chroma is coarser in photos
-constexpr int kMostDiffer = 40 * kGreySteps;     // what differs more is just another surface
-constexpr int kMargin = kGreySteps;              // by which photographs must prefer the farther surface
-constexpr int kSmoothness = 3 * kGreySteps / 4;  // gain of each of the eight neighbours on one's own surface
+using namespace tuning;
+
 constexpr int kUnknown = -1;
 
 struct Tone {
@@ -37,7 +32,7 @@ int difference(const Tone& a, const Tone& b) {
 class OutlineFitter {
  public:
   OutlineFitter(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, DisparityMap& layer)
-      : grid_(grid), frames_(frames), layer_(layer), apart_(static_cast<int>(parallax_steps(grid, kApartPx))) {
+      : grid_(grid), frames_(frames), layer_(layer), one_surface_{static_cast<int>(parallax_steps(grid, kApartPx))} {
     for (const UprightFrame& frame : frames) projections_.emplace_back(grid, frame.camera);
     for (int x = 0; x < grid.width; ++x) {
       headings_.push_back(heading(grid.theta(x + 0.5)));
@@ -93,7 +88,7 @@ class OutlineFitter {
       for (int x = 0; x < layer_.width; ++x) {
         if (!asked.at(x, y) || layer_.at(x, y) == kNoDisparity) continue;
         const uint16_t farther = farther_neighbour(x, y);
-        if (layer_.at(x, y) - farther > apart_ && belongs_to(farther, x, y))
+        if (!one_surface_.same_surface(layer_.at(x, y), farther) && belongs_to(farther, x, y))
           of_row[static_cast<size_t>(y)].push_back({x, y, farther});
       }
     });
@@ -205,7 +200,7 @@ class OutlineFitter {
   const PanoramaGrid& grid_;
   const std::vector<UprightFrame>& frames_;
   DisparityMap& layer_;
-  int apart_;  // disparity steps
+  SurfaceTolerance<int> one_surface_;  // in disparity steps
   std::vector<VoxelProjection> projections_;
   std::vector<Heading> headings_;             // of column centres
   std::vector<std::vector<uint8_t>> facing_;  // of each column

@@ -1,8 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
+#include "core/geometry/same_surface.h"
 #include "core/geometry/voxel_projection.h"
 #include "core/layers/layers.h"
 #include "core/layers/neighbours.h"
@@ -18,9 +17,9 @@ std::vector<Heading> edge_headings(const PanoramaGrid& grid) {
   return edges;
 }
 
-// First map pixel whose centre lies at or after a position in upright pixels.
-int first_pixel(double position_px, int shrink, int limit) {
-  const double pixel = (shrink == 1 ? position_px : position_px / shrink) - 0.5;
+// First pixel whose centre lies at or after a position.
+int first_pixel(double position_px, int limit) {
+  const double pixel = position_px - 0.5;
   if (!(pixel > 0)) return 0;
   if (pixel >= limit) return limit;
   const int whole = static_cast<int>(pixel);
@@ -51,9 +50,8 @@ class MapPainter {
       : grid_(brush.grid),
         brush_(brush),
         projection_(grid_, camera),
-        connect_steps_(parallax_steps(grid_, options.connect_px)),
-        connect_share_(options.connect_share),
-        far_steps_(grid_.w_far / std::max(1e-9, grid_.w_near - grid_.w_far) * kDisparitySteps),
+        connected_{parallax_steps(grid_, options.connect_px), options.connect_share,
+                   grid_.w_far / std::max(1e-9, grid_.w_near - grid_.w_far) * kDisparitySteps},
         map_(map) {}
 
   // One column of the layer.
@@ -77,9 +75,7 @@ class MapPainter {
 
   // In half steps.
   int shared_edge(int d, int neighbour) const {
-    if (neighbour == kNoDisparity) return 2 * d;
-    const double limit = connect_steps_ + connect_share_ * (far_steps_ + std::max(d, neighbour));
-    return std::abs(d - neighbour) > limit ? 2 * d : d + neighbour;
+    return neighbour != kNoDisparity && connected_.same_surface(d, neighbour) ? d + neighbour : 2 * d;
   }
 
   // May any voxel of this heading appear in the map?
@@ -90,7 +86,7 @@ class MapPainter {
 
   // Does the column stay outside the map at every disparity? Its place in the image is monotonic in inverse depth.
   bool beside_view(const Sides& sides) const {
-    const double end_px = 1.0 * map_.shrink * map_.inverse_z.height, w_far = grid_.inverse_depth(0),
+    const double end_px = 1.0 * map_.inverse_z.height, w_far = grid_.inverse_depth(0),
                  w_near = grid_.inverse_depth(kDisparitySteps);
     const auto always = [&](const VoxelProjection::Column& u, const auto& outside) {
       return projection_.forward(u, w_far) > 0.1 && projection_.forward(u, w_near) > 0.1 &&
@@ -109,14 +105,13 @@ class MapPainter {
                  w_right = depths[static_cast<size_t>(right_half_steps)];
     const double forward = projection_.forward(middle, w);
     if (forward < 0.1 || projection_.forward(left, w_left) < 0.1 || projection_.forward(right, w_right) < 0.1) return;
-    const int shrink = map_.shrink;
-    const int x0 = first_pixel(projection_.x_px(left, w_left), shrink, map_.inverse_z.height);
-    const int x1 = first_pixel(projection_.x_px(right, w_right), shrink, map_.inverse_z.height);
+    const int x0 = first_pixel(projection_.x_px(left, w_left), map_.inverse_z.height);
+    const int x1 = first_pixel(projection_.x_px(right, w_right), map_.inverse_z.height);
     if (x0 >= x1) return;
     const double slope = projection_.row_slope(forward), offset = projection_.row_offset(w, forward);
     const auto row = static_cast<size_t>(y);
-    const int y0 = first_pixel(offset + slope * brush_.edges_v[row], shrink, map_.inverse_z.width);
-    const int y1 = first_pixel(offset + slope * brush_.edges_v[row + 1], shrink, map_.inverse_z.width);
+    const int y0 = first_pixel(offset + slope * brush_.edges_v[row], map_.inverse_z.width);
+    const int y1 = first_pixel(offset + slope * brush_.edges_v[row + 1], map_.inverse_z.width);
     if (y0 >= y1) return;
     const auto depth = static_cast<uint16_t>(std::clamp(w / forward / map_.scale, 1.0, 65535.0));
     for (int column = x0; column < x1; ++column) {
@@ -128,18 +123,15 @@ class MapPainter {
   const PanoramaGrid& grid_;
   const Brush& brush_;
   VoxelProjection projection_;
-  double connect_steps_, connect_share_, far_steps_;  // disparity steps; far_steps_ + disparity is the inverse depth
+  SurfaceTolerance<double> connected_;  // in disparity steps
   VisibilityMap& map_;
 };
 
 VisibilityMap empty_map(const PanoramaGrid& grid, const UprightCamera& camera, const LayersOptions& options) {
   VisibilityMap map;
-  const int columns = (camera.width + options.shrink - 1) / options.shrink;
-  const int rows = (camera.height + options.shrink - 1) / options.shrink;
   const double nearest = std::max(grid.w_near, 1e-9) * 4;  // cameras stand off the ray origins: some room
-  map.inverse_z = Plane<uint16_t>(rows, columns, kUncovered);
+  map.inverse_z = Plane<uint16_t>(camera.height, camera.width, kUncovered);
   map.scale = nearest / 65535;
-  map.shrink = options.shrink;
   const double label = (grid.w_near - grid.w_far) / (kLabels - 1);
   map.tolerance = static_cast<int>(std::min(65535.0, std::ceil(options.tolerance_labels * label / map.scale)));
   return map;
@@ -165,8 +157,6 @@ using namespace layers;
 
 void add_layer(const PanoramaGrid& grid, const DisparityMap& layer, const std::vector<UprightFrame>& frames,
                const LayersOptions& options, const Job& job, std::vector<VisibilityMap>& maps) {
-  if (options.shrink < 1)
-    throw std::logic_error("visibility: shrink is " + std::to_string(options.shrink) + ", must be >= 1");
   if (maps.empty())
     for (const UprightFrame& frame : frames) maps.push_back(empty_map(grid, frame.camera, options));
   const Brush brush(grid, layer);

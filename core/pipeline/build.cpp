@@ -39,7 +39,7 @@ constexpr int kIterations = 4, kCycles = 1;
 // Windows that moving regions touched are not solved again: energies of true sweeps are 0.02 to 0.06 % above those with
 // it, views as good (redkitchen_arc 23.08 v 22.92 dB, desk_sweep 20.78 v 20.90, garden 20.27 v 20.26), and it takes a
 // sixth longer, mostly to sweep the windows again.
-constexpr int kSettlingCycles = 0;
+constexpr int kReoptimisationCycles = 0;
 // What an iteration before the last finds only hides voxels: it is swept in fewer steps, with less message passing, and
 // not expanded at all. Views are as good as with all of it, for half of its time (with 4, 2 and 1 iterations garden
 // 20.27, 20.28, 20.26 dB, redkitchen_arc 22.96, 23.03, 23.03, desk_sweep 20.34, 20.51, 20.44).
@@ -100,7 +100,7 @@ class Build {
   }
 
   void lay_out() {
-    report_.arc = fit_arc(poses_.cameras, {});
+    report_.arc = fit_arc(poses_.cameras);
     if (const std::string what = sideways(poses_.cameras); !what.empty()) report_.notes.push_back(what);
     GridOptions grid;
     grid.rays = options_.rays;
@@ -241,7 +241,7 @@ class Build {
   // Empty when no camera sees anything behind the layers found so far.
   DisparityMap layer_behind(const std::vector<DisparityMap>& found, const std::string& name) {
     DisparityMap surface = deepest(found);
-    const Plane<uint8_t> want = wanted_behind(grid_, surface, upright_, visibility_, {}, job_);
+    const Plane<uint8_t> want = wanted_behind(grid_, surface, {upright_, visibility_}, {}, job_);
     pictures_.labels("wanted " + name, want, 2);
     watch_.lap("visibility");
     if (std::none_of(want.samples.begin(), want.samples.end(), [](uint8_t w) { return w == kWanted; })) return {};
@@ -257,8 +257,8 @@ class Build {
     }
     continue_background(want, surface, gap, layer);
     watch_.lap("refine");
-    move_into_sight(grid_, surface, gap, upright_, visibility_, want, job_, layer);
-    drop_unseen(grid_, upright_, visibility_, job_, layer);
+    move_to_visible(grid_, surface, gap, {upright_, visibility_}, want, job_, layer);
+    drop_unseen(grid_, {upright_, visibility_}, job_, layer);
     watch_.lap("visibility");
     return layer;
   }
@@ -294,7 +294,7 @@ class Build {
     SolveOptions solving;
     solving.iterations = last_ ? kIterations : kHidingIterations;
     solving.cycles = last_ ? kCycles : kHidingCycles;
-    solving.settling_cycles = kSettlingCycles;
+    solving.reoptimisation_cycles = kReoptimisationCycles;
     Labelling labelling = solve_depth(costs, mask, solving, job_);
     report_.solves.push_back({"depth " + name, labelling.report});
     pictures_.labels("labels " + name, labelling.labels, options_.labels - 1);
@@ -323,7 +323,7 @@ class Build {
       report_.solves.push_back({name, solved.report});
       pictures_.sources("sources layer " + std::to_string(k + 1), solved.sources);
       drop_colourless(solved.sources, layers_[k]);
-      witnesses_.push_back(candidates.witnesses(solved.sources, job_));
+      neighbours_.push_back(candidates.neighbours(solved.sources, job_));
       sources_.push_back(std::move(solved.sources));
     }
     std::vector<VisibilityMap>().swap(visibility_);
@@ -362,7 +362,7 @@ class Build {
     Plane<int16_t> farthest(grid_.width, grid_.height, kDisparitySteps);  // disparity at most that the next layer shows
     for (size_t k = 0; k < layers_.size(); ++k) {
       drop_inseparable(farthest, layers_[k]);
-      if (k > 0) drop_specks(kSpeckPx * columns_of_colour_, grid_.wraps, layers_[k]);
+      if (k > 0) drop_small_components(kSpeckPx * columns_of_colour_, grid_.wraps, layers_[k]);
       drop_sources(layers_[k], sources_[k]);
       layers.push_back(coded(layers_[k], k == 0 ? kKnownPx : 2 * kKnownPx));
       move_back(layers[k], farthest);
@@ -418,14 +418,14 @@ class Build {
     std::vector<UprightFrame>().swap(upright_);  // the colours need their memory
     std::vector<ColourTask> tasks;
     for (size_t k = 0; k < layers.size(); ++k)
-      tasks.push_back({&layers_[k], &sources_[k], &layers[k].colour, &witnesses_[k]});
-    fetch_colours(grid_, photographs, tasks, {}, job_);
+      tasks.push_back({&layers_[k], &sources_[k], &layers[k].colour, &neighbours_[k]});
+    blend_colours(grid_, photographs, tasks, {}, job_);
     watch_.lap("colour");
   }
 
   void hold_against_photographs(const LayeredPanorama& panorama) {
     std::vector<SourceMap>().swap(sources_);
-    std::vector<Plane<uint8_t>>().swap(witnesses_);
+    std::vector<Plane<uint8_t>>().swap(neighbours_);
     std::vector<DisparityMap>().swap(layers_);
     AgreementSink sink;
     if (pictures_.wanted())
@@ -463,7 +463,7 @@ class Build {
   std::vector<DisparityMap> layers_, found_;  // of the last iteration that ended, of the present one
   std::vector<VisibilityMap> visibility_;     // of all layers; empty for one far layer
   std::vector<SourceMap> sources_;            // of the colours
-  std::vector<Plane<uint8_t>> witnesses_;
+  std::vector<Plane<uint8_t>> neighbours_;
   std::vector<Gain> gains_;  // of the photos
 };
 

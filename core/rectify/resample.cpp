@@ -22,8 +22,8 @@ Eigen::Vector3d horizontal_forward(const Camera& camera, const Eigen::Vector3d& 
   if (length < 0.2) {
     throw std::runtime_error(
         "photo '" + camera.name +
-        "' looks straight up or down: leave it out of the capture, or, where the camera lay on its side, add --turn 90 "
-        "or --turn 270 (where it stood upright, leave --turn out)");
+        "' looks straight up or down: leave it out of the capture, or, where the camera lay on its "
+        "side, add a turn by 90 or by 270 degrees (where it stood upright, leave the turn out)");
   }
   return level / length;
 }

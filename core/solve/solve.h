@@ -27,9 +27,7 @@ struct EdgeFactors {
   Plane<uint8_t> right, down;
 };
 
-// The defaults of lambda and truncation against the paper's 2 and 2, mean PSNR in dB (true cameras for the garden, each
-// fifth photo left out of the others): garden 19.63 v 19.71, redkitchen_arc 19.96 v 19.39, desk_sweep 19.59 v 19.38,
-// courtyard_360 20.52 v 20.09, apartment_dolly 16.56 v 16.20, kitchen_sideways 22.64 v 22.65.
+// How the defaults were chosen: decisions.md.
 struct SolveOptions {
   double lambda = 4;                // in grey levels; lambda * truncation * largest factor <= 62
   int truncation = 4;               // labels, 1 .. 15
@@ -40,7 +38,7 @@ struct SolveOptions {
   // Over all windows, every second one shifted by half a window. 0: one, then regions of any size move, and windows
   // that this touched are solved again; small grids get more iterations and margin, and all windows are solved again.
   int passes = 0;
-  int settling_cycles = 20;              // of expansion in windows that regions touched; 0: they are not solved again
+  int reoptimisation_cycles = 20;        // of expansion in windows that regions touched; 0: they are not solved again
   const EdgeFactors* factors = nullptr;  // nullptr: every factor is 1
 };
 

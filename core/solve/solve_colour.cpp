@@ -113,7 +113,7 @@ ColourSolve solve_colour(const ColourCosts& costs, const ColourSolveOptions& opt
       solve_windows(source, smoothness,
                     {options.core_px, options.margin_px, options.iterations, options.cycles, options.passes}, job);
   const double degrees = static_cast<double>(kSixteenths) / (units * kAnglesPerDegree);
-  return {sources_at(costs, std::move(solved.taken.positions), job), report_of(solved, degrees)};
+  return {sources_at(costs, std::move(solved.slot_map.positions), job), report_of(solved, degrees)};
 }
 
 }  // namespace ldp

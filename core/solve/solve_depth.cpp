@@ -11,11 +11,11 @@ using namespace solve;
 Labelling solve_depth(const CostSource& costs, const Plane<uint8_t>& mask, const SolveOptions& options,
                       const Job& job) {
   const DepthProblem problem(costs, mask, options);
-  WindowSolve solved = solve_windows(
-      problem.source(), problem.smoothness(),
-      {options.core_px, options.margin_px, options.iterations, options.cycles, options.passes, options.settling_cycles},
-      job);
-  return {std::move(solved.taken.slots), report_of(solved, problem.grey_levels_per_unit())};
+  WindowSolve solved = solve_windows(problem.source(), problem.smoothness(),
+                                     {options.core_px, options.margin_px, options.iterations, options.cycles,
+                                      options.passes, options.reoptimisation_cycles},
+                                     job);
+  return {std::move(solved.slot_map.slots), report_of(solved, problem.grey_levels_per_unit())};
 }
 
 }  // namespace ldp

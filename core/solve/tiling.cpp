@@ -5,7 +5,7 @@
 
 namespace ldp::solve {
 
-std::vector<Interval> cut_line(int length, int core_px, int margin_px, bool shift) {
+std::vector<Interval> tile_line(int length, int core_px, int margin_px, bool shift) {
   std::vector<Interval> intervals;
   const int parts = std::max(1, (length + core_px / 2) / core_px) + (shift ? 1 : 0);
   const int cells = shift ? parts - 1 : parts;
@@ -20,7 +20,7 @@ std::vector<Interval> cut_line(int length, int core_px, int margin_px, bool shif
   return intervals;
 }
 
-std::vector<Interval> cut_ring(int length, int core_px, int margin_px, bool shift) {
+std::vector<Interval> tile_ring(int length, int core_px, int margin_px, bool shift) {
   std::vector<Interval> intervals;
   const int parts = std::max(2, (length + core_px / 2) / core_px);
   const int64_t half = shift ? length / (2 * parts) : 0;

@@ -1,6 +1,6 @@
 // Solves every window of a problem once: each window's labels are improved with everything outside it held fixed, so
 // that the energy of the whole never rises. Windows form columns, and those of a column hold each its place on the way
-// of the strip. A window waits for its neighbours in the column before, and every second one for those above and below
+// of the buffer. A window waits for its neighbours in the column before, and every second one for those above and below
 // it; this order alone, not timing, decides what a window sees of others. Columns further on are loaded meanwhile.
 #pragma once
 
@@ -11,11 +11,11 @@
 #include "core/base/job.h"
 #include "core/base/scratch_pool.h"
 #include "core/base/task_order.h"
+#include "core/solve/column_buffer.h"
 #include "core/solve/moves/label_grid.h"
-#include "core/solve/moves/labelling.h"
 #include "core/solve/moves/region_moves.h"
+#include "core/solve/moves/slot_map.h"
 #include "core/solve/moves/smoothness.h"
-#include "core/solve/strip.h"
 #include "core/solve/tiling.h"
 #include "core/solve/window_scratch.h"
 
@@ -25,15 +25,15 @@ class WindowPass {
  public:
   // On the first pass pixels start with the slots of least cost, later with those taken. `regions`, unless nullptr, is
   // given all columns as the pass leaves them.
-  WindowPass(const GridSource& source, const Smoothness& smoothness, const WindowCuts& cuts, const Effort& effort,
-             bool first, SlotsTaken& taken, Regions* regions);
+  WindowPass(const GridSource& source, const Smoothness& smoothness, const WindowTiling& tiling, const Effort& effort,
+             bool first, SlotMap& slot_map, Regions* regions);
 
   // True if slots changed.
   bool run(const Job& job);
 
   const Energy& initial() const { return initial_; }  // of the slots of least cost; of the first pass only
   const Energy& final() const { return final_; }
-  size_t bytes() const { return strip_.bytes() + pool_.bytes(); }
+  size_t bytes() const { return buffer_.bytes() + pool_.bytes(); }
 
  private:
   using Task = TaskOrder::Task;
@@ -46,22 +46,22 @@ class WindowPass {
   void load(int place, const Interval& rows);
   bool solve(int place, const FramedWindow& window);
   void finish(int place);
-  int last_place(int x) const { return last_place_[static_cast<size_t>(strip_.column(x))]; }
+  int last_place(int x) const { return last_place_[static_cast<size_t>(buffer_.column(x))]; }
   bool seam_finished(int x, int place) const;
   template <typename SlotsOf>
   Energy energy_finished(int place, const SlotsOf& slots_of) const;
   std::vector<uint8_t> cheapest(int x) const;
-  std::vector<uint8_t> taken(int x) const;
+  std::vector<uint8_t> current(int x) const;
 
   const GridSource& source_;
   const Smoothness& smoothness_;
-  const WindowCuts& cuts_;
+  const WindowTiling& tiling_;
   const Effort effort_;
   const bool first_;
-  SlotsTaken& taken_;
+  SlotMap& slot_map_;
   Regions* regions_;
   const Job* job_ = nullptr;
-  Strip strip_;
+  ColumnBuffer buffer_;
   ScratchPool<WindowScratch> pool_;
   std::vector<Interval> loads_;   // of rows
   std::vector<int> last_place_;   // of every column of the source, the last whose windows hold it

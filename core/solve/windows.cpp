@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "core/solve/moves/region_moves.h"
-#include "core/solve/settling.h"
 #include "core/solve/tiling.h"
 #include "core/solve/window_pass.h"
+#include "core/solve/window_reoptimisation.h"
 
 namespace ldp::solve {
 
@@ -40,10 +40,10 @@ class WindowSolver {
   }
 
  private:
-  WindowCuts cuts(bool shift) const {
-    return {source_.wraps() ? cut_ring(source_.width(), options_.core_px, margin_px_, shift)
-                            : cut_line(source_.width(), options_.core_px, margin_px_, shift),
-            cut_line(source_.height(), even_core(source_.height(), options_.core_px), margin_px_, shift)};
+  WindowTiling tiling(bool shift) const {
+    return {source_.wraps() ? tile_ring(source_.width(), options_.core_px, margin_px_, shift)
+                            : tile_line(source_.width(), options_.core_px, margin_px_, shift),
+            tile_line(source_.height(), even_core(source_.height(), options_.core_px), margin_px_, shift)};
   }
 
   // Windows of a column are solved every second one at a time: their number is a multiple of 4 where there are many,
@@ -55,9 +55,9 @@ class WindowSolver {
 
   // Solves every window once. True if labels changed.
   bool pass(bool shift, const Effort& effort) {
-    const WindowCuts cuts = this->cuts(shift);
+    const WindowTiling tiling = this->tiling(shift);
     const bool first = result_.passes == 0;
-    WindowPass pass(source_, smoothness_, cuts, effort, first, result_.taken, regions_ ? &*regions_ : nullptr);
+    WindowPass pass(source_, smoothness_, tiling, effort, first, result_.slot_map, regions_ ? &*regions_ : nullptr);
     const bool changed = pass.run(job_);
     if (first) result_.initial = pass.initial();
     result_.final = pass.final();
@@ -68,18 +68,18 @@ class WindowSolver {
 
   void pass_and_move_regions() {
     Effort effort{options_.iterations, options_.cycles},
-        settling{(options_.iterations + 1) / 2, options_.settling_cycles};
+        reoptimisation{(options_.iterations + 1) / 2, options_.reoptimisation_cycles};
     if (small_) {
-      settling.iterations = options_.iterations;
+      reoptimisation.iterations = options_.iterations;
       effort.iterations = options_.iterations * 5 / 2;
       margin_px_ = std::min(options_.margin_px * 3 / 2, (options_.core_px - 2) / 2);
     }
     regions_.emplace(source_.width(), source_.height(), source_.slots(), smoothness_);
     pass(false, effort);
-    if (settling.cycles > 0) {
-      const Plane<uint8_t> before = result_.taken.slots;
+    if (reoptimisation.cycles > 0) {
+      const Plane<uint8_t> before = result_.slot_map.slots;
       move_regions();
-      settle(before, settling);
+      reoptimise(before, reoptimisation);
     } else {
       const Energy start = regions_->energy();
       const Energy end = move_regions();
@@ -93,7 +93,7 @@ class WindowSolver {
     regions_->move(kRegionCycles, job_);
     for (int y = 0; y < source_.height(); ++y)
       for (int x = 0; x < source_.width(); ++x) {
-        uint8_t& slot = result_.taken.slots.at(x, y);
+        uint8_t& slot = result_.slot_map.slots.at(x, y);
         slot = regions_->label_of(x, y, slot);
       }
     note_bytes(0);
@@ -102,17 +102,17 @@ class WindowSolver {
     return energy;
   }
 
-  void settle(const Plane<uint8_t>& before, const Effort& effort) {
-    const WindowCuts cuts = this->cuts(true);
-    Settling settling(source_, smoothness_, cuts, effort, small_, before, result_.taken);
-    result_.final += settling.run(job_);
+  void reoptimise(const Plane<uint8_t>& before, const Effort& effort) {
+    const WindowTiling tiling = this->tiling(true);
+    WindowReoptimisation reoptimisation(source_, smoothness_, tiling, effort, small_, before, result_.slot_map);
+    result_.final += reoptimisation.run(job_);
     ++result_.passes;
-    note_bytes(settling.bytes());
+    note_bytes(reoptimisation.bytes());
   }
 
   void note_bytes(size_t of_step) {
-    const size_t sum = of_step + (regions_ ? regions_->bytes() : 0) + result_.taken.slots.samples.capacity() +
-                       result_.taken.positions.samples.capacity();
+    const size_t sum = of_step + (regions_ ? regions_->bytes() : 0) + result_.slot_map.slots.samples.capacity() +
+                       result_.slot_map.positions.samples.capacity();
     result_.peak_bytes = std::max(result_.peak_bytes, sum);
   }
 

@@ -1,7 +1,7 @@
 // Solves a labelling problem of any size window by window: each window's labels are improved with everything outside
 // it held fixed, so that the energy of the whole never rises (window_pass.h). Then regions larger than windows move
-// (region_moves.h), and, where settling_cycles asks for it, the windows that this touched are loaded and solved once
-// more (settling.h).
+// (region_moves.h), and, where reoptimisation_cycles asks for it, the windows that this touched are loaded and solved
+// once more (window_reoptimisation.h).
 #pragma once
 
 #include <cstddef>
@@ -9,20 +9,20 @@
 
 #include "core/base/job.h"
 #include "core/solve/moves/label_grid.h"
-#include "core/solve/moves/labelling.h"
+#include "core/solve/moves/slot_map.h"
 #include "core/solve/moves/smoothness.h"
 #include "core/solve/solve.h"
 
 namespace ldp::solve {
 
 struct WindowOptions {  // as SolveOptions has them
-  int core_px, margin_px, iterations, cycles, passes, settling_cycles = 0;
+  int core_px, margin_px, iterations, cycles, passes, reoptimisation_cycles = 0;
 };
 
 struct WindowSolve {
-  explicit WindowSolve(const GridSource& source) : taken(source) {}
+  explicit WindowSolve(const GridSource& source) : slot_map(source) {}
 
-  SlotsTaken taken;
+  SlotMap slot_map;
   Energy initial, final;  // of the cheapest slot of every pixel, and of the result
   int passes = 0;
   size_t peak_bytes = 0;

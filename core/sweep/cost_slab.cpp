@@ -42,8 +42,7 @@ class Column {
                                    {scratch_.samples[k].data() + offset, scratch_.tints[k].data() + offset});
     if (l.surface) {
       uint8_t* mask = scratch_.masks[k].data() + (l.y_begin - y_begin_);
-      scratch_.kernels.test_visibility(l.surface, first_q16, l.step_q16, l.surface_shrink, l.surface_limit, count,
-                                       mask);
+      scratch_.kernels.test_visibility(l.surface, first_q16, l.step_q16, l.surface_limit, count, mask);
       masked_ = true;
     }
   }
@@ -71,8 +70,9 @@ class Column {
     }
     const int count = end - y;
     if (views > 0 && masked_)
-      return scratch_.kernels.masked_robust_variance(samples, tints, masks, views, prior_cost_, count, phi, reference);
-    if (views > 1) return scratch_.kernels.robust_variance(samples, tints, views, count, phi, reference);
+      return scratch_.kernels.masked_robust_variance({samples, tints}, masks, views, prior_cost_, count, phi,
+                                                     reference);
+    if (views > 1) return scratch_.kernels.robust_variance({samples, tints}, views, count, phi, reference);
     std::fill(phi, phi + count, static_cast<uint8_t>(prior_cost_));
     if (views == 1) {
       std::copy(samples[0], samples[0] + count, reference.grey);

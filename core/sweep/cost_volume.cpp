@@ -6,28 +6,14 @@
 #include <string>
 
 #include "core/sweep/cost_volume_tables.h"
+#include "core/sweep/sweep_tuning.h"
 
 namespace ldp::sweep {
 namespace {
 
 constexpr uint8_t kForbiddenCost = 255, kMiddleGrey = 128;
 
-// Where the reference is plain over all that a cost depends on, labels differ by what photographs of one surface differ
-// by: reflections, shading, noise. Costs that exceed the least by no more are equal, and smoothness decides. (With v
-// without, each fifth photo left out: redkitchen_arc 23.61 v 23.30 dB, apartment_dolly 17.95 v 17.77, desk_sweep 21.46
-// v 21.41 and fewer holes torn into its screens, courtyard_360 22.67 v 22.63, atrium_360 21.79 v 21.77,
-// kitchen_sideways 24.08 v 24.11, garden 20.58 v 20.57; up to a contrast of 12 kitchen_sideways 23.65.)
-constexpr int kPlainContrast = 4, kNoLongerPlain = 6;  // levels
-constexpr int kPlainDifference = 16;                   // in 1/kCostScale grey levels
-
-// Where it is nearly plain, labels cost more the farther they lie from what feature points around tell, half a cost
-// unit for each label beyond the first and at most six: smoothness alone would let a wide plain surface lie anywhere.
-// (With v without, each fifth photo left out: redkitchen_arc 24.05 v 23.28 dB, kitchen_sideways 24.84 v 24.59,
-// apartment_dolly 18.16 v 18.06, desk_sweep 21.87 v 21.88, courtyard_360 22.80 v 22.81, atrium_360 21.98 v 21.98,
-// garden 20.67 v 20.67; where contrast is higher too, garden loses 0.07.)
-constexpr int kPointsContrast = 12, kPointsFullContrast = 6;  // levels
-constexpr int kPointsUnits = 2;                               // labels to one unit of cost
-constexpr int kPointsSlack = 1, kPointsMost = 6;              // labels
+using namespace tuning;
 
 void check_range(const char* name, int value, int low, int high) {
   if (value < low || value > high) {
@@ -36,7 +22,8 @@ void check_range(const char* name, int value, int low, int high) {
   }
 }
 
-// Keeps, per ray, the least cost of a label's slabs, the median that goes with it, and the contrast where one is told.
+// Keeps, per ray, the least cost of a label's slabs, the median that goes with it, and the contrast where one is
+// expected.
 class BestOfLabel final : public SlabSink {
  public:
   BestOfLabel(SweepScratch& scratch, const Window& window, const Window& part)
@@ -221,10 +208,7 @@ void CostVolume::forbid_front(const std::vector<int8_t>& nearest, uint8_t* cost,
 
 // Labels that fewer than two cameras see cannot be matched. Dear, they would draw the surface to where two cameras see,
 // along the border of the outermost photo; so they cost little more than the ray's best match, and smoothness decides.
-// Where even the best matches badly, it is dear itself. (Against a margin of 4 and no more than a voxel seen once, each
-// fifth photo left out: redkitchen_arc 24.19 v 23.61 dB, kitchen_sideways 25.71 v 25.40, atrium_360 22.07 v 22.04,
-// courtyard_360 23.02 both, desk_sweep 21.99 v 22.10, apartment_dolly 18.32 v 18.48, garden 20.93 v 20.91; with central
-// rays garden 19.2 v 19.9 and 2.8 % holes, since some of these labels no camera sees at all.)
+// Where even the best matches badly, it is dear itself.
 void CostVolume::rate_unmatched(const Window& window, uint8_t* cost) const {
   const Tables& t = *tables_;
   const auto labels = static_cast<size_t>(t.options.labels);
@@ -256,17 +240,17 @@ void CostVolume::equal_where_plain(const SweepScratch& found, size_t pixels, uin
 
 void CostVolume::draw_to_points(const SweepScratch& found, const Window& window, uint8_t* cost) const {
   constexpr int kSteps = PointsPrior::kLabelSteps, kRange = kPointsContrast - kPointsFullContrast;
-  constexpr int kUnit = kPointsUnits * kRange * PointsPrior::kFull * kSteps;  // of the product below
+  constexpr int kUnit = kPointsLabelsPerUnit * kRange * PointsPrior::kFull * kSteps;  // of the product below
   const int labels = tables_->options.labels;
   size_t i = 0;
   for (int x = window.x; x < window.x + window.width; ++x)
     for (int y = window.y; y < window.y + window.height; ++y, ++i, cost += labels) {
       const int plain = std::min(kPointsContrast - found.contrast_at_least[i], kRange);
       if (plain <= 0) continue;
-      const PointsPrior::Told told = tables_->points->at(x, y);
-      for (int l = 0; l < labels && told.weight > 0; ++l) {
-        const int off = std::abs(l * kSteps - told.label) - kPointsSlack * kSteps;
-        const int more = (plain * told.weight * std::clamp(off, 0, kPointsMost * kSteps) + kUnit / 2) / kUnit;
+      const PointsPrior::Expectation expected = tables_->points->at(x, y);
+      for (int l = 0; l < labels && expected.weight > 0; ++l) {
+        const int off = std::abs(l * kSteps - expected.label) - kPointsSlack * kSteps;
+        const int more = (plain * expected.weight * std::clamp(off, 0, kPointsMost * kSteps) + kUnit / 2) / kUnit;
         cost[l] = static_cast<uint8_t>(std::min(cost[l] + more, kForbiddenCost - 1));
       }
     }

@@ -5,14 +5,15 @@
 
 #include "core/base/job.h"
 #include "core/sweep/cost_volume_tables.h"
+#include "core/sweep/sweep_tuning.h"
 #include "core/sweep/weak_membrane.h"
 #include "core/sweep/weighted_median.h"
 
 namespace ldp::sweep {
 namespace {
 
-constexpr int kFine = 8;   // fine steps a label
-constexpr int kReach = 6;  // fine steps either side of the label's middle that are tried
+using namespace tuning;
+
 constexpr int kTileWidth = 64, kTileHeight = 256;
 
 constexpr int16_t kNone = 0x7FFF, kNever = -0x4000;
@@ -46,7 +47,7 @@ class FineMinimum final : public SlabSink {
     for (int x = window.x; x < window.x + window.width; ++x)
       for (int y = window.y; y < window.y + window.height; ++y) {
         const bool wanted = mask.empty() || mask.at(x, y) != 0;
-        centre_.push_back(wanted ? static_cast<int16_t>(labels.at(x, y) * kFine) : kNever);
+        centre_.push_back(wanted ? static_cast<int16_t>(labels.at(x, y) * kFineSteps) : kNever);
         if (wanted) boxes_[labels.at(x, y)].add({x, x + 1, y, y + 1});
       }
   }
@@ -55,7 +56,7 @@ class FineMinimum final : public SlabSink {
   Box box(int step) const {
     Box box;
     for (int label = 0; label < kLabels; ++label)
-      if (std::abs(step - label * kFine) <= kReach) box.add(boxes_[static_cast<size_t>(label)]);
+      if (std::abs(step - label * kFineSteps) <= kFineReach) box.add(boxes_[static_cast<size_t>(label)]);
     return box;
   }
 
@@ -71,7 +72,7 @@ class FineMinimum final : public SlabSink {
             *after = after_.data() + at, *step = step_.data() + at, *best_grey = grey_.data() + at;
     for (int y = 0; y < part_.height; ++y) {  // without branches, for vectors
       const auto c = static_cast<int16_t>(cost[y]);
-      const bool wanted = centre[y] - kReach <= now && centre[y] + kReach >= now;
+      const bool wanted = centre[y] - kFineReach <= now && centre[y] + kFineReach >= now;
       const bool follows = wanted && step[y] == now - 1, better = wanted && c < best[y];
       after[y] = better ? kNone : follows ? c : after[y];
       before[y] = better ? previous[y] : before[y];
@@ -126,7 +127,7 @@ DisparityMap CostVolume::refine(const Plane<uint8_t>& labels, const Plane<uint8_
   Plane<uint8_t> grey(labels.width, labels.height), firmness(labels.width, labels.height);
   const int across = (labels.width + kTileWidth - 1) / kTileWidth,
             down = (labels.height + kTileHeight - 1) / kTileHeight;
-  const int fine_steps = kFine * (t.options.labels - 1);
+  const int fine_steps = kFineSteps * (t.options.labels - 1);
   parallel_for(job, across * down, [&](int tile) {
     const int x = tile / down * kTileWidth, y = tile % down * kTileHeight;
     const Window window{x, y, std::min(kTileWidth, labels.width - x), std::min(kTileHeight, labels.height - y)};

@@ -4,25 +4,12 @@
 #include <array>
 #include <numeric>
 
+#include "core/sweep/sweep_tuning.h"
+
 namespace ldp::sweep {
 namespace {
 
-// Parts of the grid that are looked at: strips of columns, cut into square blocks.
-constexpr int kBlock = 8, kStrips = 64;
-
-constexpr double kFarthestIn = 1.5;  // times the range's near bound
-constexpr int kGlanceLabels = 8, kGlanceSubsteps = 3;
-
-// In 1/kCostScale grey levels: what matches, and by how much less it costs than anything within the range.
-constexpr int kMatches = 20, kLess = 10;
-constexpr int kMostOfBlock = kBlock * kBlock * 3 / 4;
-
-// Of the blocks looked at. Repeated columns and railings match nearer than they are, but seldom all over a block: in
-// 0.01 % of the blocks of atrium_360 and none of the other photo sets'; in 0.38 % of the garden's, where leaves hang at
-// half the depth of the nearest point.
-constexpr double kLeastShare = 0.002;
-constexpr int kLeastBlocks = 4;
-constexpr double kHeld = 0.8;  // of the blocks that match nearer
+using namespace tuning;
 
 using Costs = std::vector<uint8_t>;
 
@@ -44,8 +31,8 @@ class NearBound {
 
   Tally strip(int x) const {
     Tally tally;
-    const Costs costs = read(glance_, {x, 0, kBlock, all_depths_.height});
-    for (int y = 0; y + kBlock <= all_depths_.height; y += kBlock, ++tally.blocks)
+    const Costs costs = read(glance_, {x, 0, kNearBlock, all_depths_.height});
+    for (int y = 0; y + kNearBlock <= all_depths_.height; y += kNearBlock, ++tally.blocks)
       if (glance_matches(costs, y)) take(x, y, tally);
     return tally;
   }
@@ -56,7 +43,7 @@ class NearBound {
 
  private:
   static PanoramaGrid widened(PanoramaGrid grid) {
-    grid.w_near *= kFarthestIn;
+    grid.w_near *= kNearFarthestIn;
     return grid;
   }
 
@@ -80,24 +67,24 @@ class NearBound {
 
   bool glance_matches(const Costs& strip, int y) const {
     int matching = 0;
-    for (int column = 0; column < kBlock; ++column) {
+    for (int column = 0; column < kNearBlock; ++column) {
       const uint8_t* cost = strip.data() + (column * all_depths_.height + y) * kGlanceLabels;
-      for (int row = 0; row < kBlock; ++row, cost += kGlanceLabels)
-        matching += *std::min_element(cost, cost + kGlanceLabels) <= kMatches;
+      for (int row = 0; row < kNearBlock; ++row, cost += kGlanceLabels)
+        matching += *std::min_element(cost, cost + kGlanceLabels) <= kNearMatches;
     }
-    return matching >= kMostOfBlock;
+    return matching >= kNearMostOfBlock;
   }
 
   // A label is left out between those within the range and those nearer: what matches there may be the bound's own.
   void take(int x, int y, Tally& tally) const {
-    const Costs costs = read(sweep_, {x, y, kBlock, kBlock});
+    const Costs costs = read(sweep_, {x, y, kNearBlock, kNearBlock});
     std::vector<int> labels;
     for (auto cost = costs.begin(); cost != costs.end(); cost += kLabels) {
       const int within = *std::min_element(cost, cost + last_within_ + 1);
       const auto nearer = std::min_element(cost + last_within_ + 2, cost + kLabels);
-      if (within - *nearer > kLess) labels.push_back(static_cast<int>(nearer - cost));
+      if (within - *nearer > kNearLess) labels.push_back(static_cast<int>(nearer - cost));
     }
-    if (static_cast<int>(labels.size()) < kMostOfBlock) return;
+    if (static_cast<int>(labels.size()) < kNearMostOfBlock) return;
     const auto median = labels.begin() + static_cast<std::ptrdiff_t>(labels.size() / 2);
     std::nth_element(labels.begin(), median, labels.end());
     ++tally.nearer[static_cast<size_t>(*median)];
@@ -116,20 +103,20 @@ namespace ldp {
 using namespace sweep;
 
 double matched_near(const std::vector<UprightFrame>& frames, const PanoramaGrid& grid, const Job& job) {
-  if (grid.width < kBlock || grid.height < kBlock || grid.w_far >= grid.w_near) return grid.w_near;
+  if (grid.width < kNearBlock || grid.height < kNearBlock || grid.w_far >= grid.w_near) return grid.w_near;
   const NearBound bound(frames, grid);
-  std::vector<Tally> strips(static_cast<size_t>((grid.width - kBlock) / kStrips + 1));
+  std::vector<Tally> strips(static_cast<size_t>((grid.width - kNearBlock) / kNearStripEvery + 1));
   parallel_for(job, static_cast<int>(strips.size()),
-               [&](int i) { strips[static_cast<size_t>(i)] = bound.strip(i * kStrips); });
+               [&](int i) { strips[static_cast<size_t>(i)] = bound.strip(i * kNearStripEvery); });
   Tally all;
   for (const Tally& strip : strips) {
     all.blocks += strip.blocks;
     for (size_t label = 0; label < all.nearer.size(); ++label) all.nearer[label] += strip.nearer[label];
   }
   const int nearer = std::accumulate(all.nearer.begin(), all.nearer.end(), 0);
-  if (nearer < std::max<double>(kLeastBlocks, kLeastShare * all.blocks)) return grid.w_near;
+  if (nearer < std::max<double>(kNearLeastBlocks, kNearLeastShare * all.blocks)) return grid.w_near;
   int label = 0;
-  for (int held = all.nearer[0]; held < kHeld * nearer;) held += all.nearer[static_cast<size_t>(++label)];
+  for (int held = all.nearer[0]; held < kNearHeld * nearer;) held += all.nearer[static_cast<size_t>(++label)];
   return bound.inverse_depth(label);
 }
 

@@ -17,7 +17,7 @@ class PointsPrior {
   static constexpr int kLabelSteps = 16;  // parts of a label
   static constexpr int kFull = 256;       // weight of what many points agree on
 
-  struct Told {
+  struct Expectation {
     int16_t label = 0;  // in 1/kLabelSteps
     int16_t weight = 0;
   };
@@ -26,11 +26,11 @@ class PointsPrior {
   PointsPrior(const PanoramaGrid& grid, const std::vector<ScenePoint>& points, int labels);
 
   // x wraps where the panorama does.
-  Told at(int x, int y) const;
+  Expectation at(int x, int y) const;
 
  private:
   int width_;  // of the panorama
-  Plane<Told> cells_;
+  Plane<Expectation> cells_;
 };
 
 }  // namespace ldp::sweep

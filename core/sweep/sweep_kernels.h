@@ -39,6 +39,8 @@ struct Tinted {
   T *grey = nullptr, *tint = nullptr;
 };
 
+using Samples = Tinted<const uint8_t* const>;  // a column of each view
+
 struct Kernels {
   // out[i] = (left[i] (64 - weight) + right[i] weight + 32) >> 6.
   void (*blend_columns)(const uint8_t* left, const uint8_t* right, int weight, int count, uint8_t* out);
@@ -49,11 +51,11 @@ struct Kernels {
   void (*resample_rows)(const Tinted<const uint8_t>& column, int64_t row_q16, int32_t step_q16, int count,
                         const Tinted<uint8_t>& out);
 
-  // mask[i] = 255 where surface[(row_q16 + i step_q16) / (65536 shrink)] <= limit, else 0.
-  void (*test_visibility)(const uint16_t* surface, int64_t row_q16, int32_t step_q16, int shrink, int limit, int count,
+  // mask[i] = 255 where surface[(row_q16 + i step_q16) / 65536] <= limit, else 0.
+  void (*test_visibility)(const uint16_t* surface, int64_t row_q16, int32_t step_q16, int limit, int count,
                           uint8_t* mask);
 
-  // Robust variance over `views` samples (2 .. kMaxViews) of each row, samples[0] being the camera nearest to the rays.
+  // Robust variance over `views` samples (2 .. kMaxViews) of each row, the first being the camera nearest to the rays.
   // It is the reference, and given back. Two views differ by
   //   max(0, |grey - grey'| - kGreyNoise) + max(0, |tint - tint'| - kTintNoise), at most 255;
   // with d the sorted differences from the reference, d[0] = 0,
@@ -61,16 +63,13 @@ struct Kernels {
   //   e = (512 / (views - 3) * (min(d[3], 8) + min(d[4], 8) + ...)) / 256, from four views on:
   // in 1/4 grey level, the mean deviation of the two cameras that agree best with it, and a little of the others'.
   // Beside depth edges most cameras do not see the voxel, so that a median over all of them takes the nearer surface
-  // for true (measured on leaves: 68 % of the rays have their least cost within a label of the truth, against 80 %
-  // here). The others tell chance matches apart on surfaces with little texture.
-  void (*robust_variance)(const uint8_t* const* samples, const uint8_t* const* tints, int views, int count,
-                          uint8_t* phi, const Tinted<uint8_t>& reference);
+  // for true. The others tell chance matches apart on surfaces with little texture.
+  void (*robust_variance)(const Samples& samples, int views, int count, uint8_t* phi, const Tinted<uint8_t>& reference);
 
   // The same over the samples whose mask is 255; the reference is the first of them. Where one is left phi
   // = prior, where none is kLargestVariance and the reference 128. 1 <= views <= kMaxViews.
-  void (*masked_robust_variance)(const uint8_t* const* samples, const uint8_t* const* tints,
-                                 const uint8_t* const* masks, int views, int prior, int count, uint8_t* phi,
-                                 const Tinted<uint8_t>& reference);
+  void (*masked_robust_variance)(const Samples& samples, const uint8_t* const* masks, int views, int prior, int count,
+                                 uint8_t* phi, const Tinted<uint8_t>& reference);
 
   // low[i] and high[i] = the least and the largest of in[i] .. in[i + 6].
   void (*range7)(const uint8_t* in, int count, uint8_t* low, uint8_t* high);

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/sweep/sweep_tuning.h"
+
 namespace ldp::sweep {
 namespace {
 
-constexpr double kLeastCosine = 0.3;    // between the ray and the camera's axis: 72 degrees
+using namespace tuning;
+
 constexpr double kLeastForward = 1e-3;  // forward * w of a voxel worth projecting
-constexpr double kLargestStep = 4;      // photo rows per panorama row; beyond, a voxel is too near to the camera
 constexpr double kLargestRow = 1 << 20;
 constexpr int kHidesNothing = 65535;  // the nearest that a surface can be
 
@@ -94,8 +96,7 @@ bool LineTable::make_line(size_t view, Heading outward, double w, Line& line) co
   if (!visibility_) return true;
   const VisibilityMap& map = (*visibility_)[view];
   const int nearest = line.weight < kernels::kWeightOne / 2 ? x : x + 1;
-  line.surface = map.inverse_z.row(std::min(nearest / map.shrink, map.inverse_z.height - 1));
-  line.surface_shrink = map.shrink;
+  line.surface = map.inverse_z.row(std::min(nearest, map.inverse_z.height - 1));
   line.surface_limit = static_cast<int>(std::min(w / forward / map.scale, 65535.0)) + map.tolerance;
   return true;
 }

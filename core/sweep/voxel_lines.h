@@ -24,9 +24,9 @@ struct Line {
   const uint16_t* surface = nullptr;  // column of the visibility map; null = everything is visible
   int64_t row_q16 = 0;
   int32_t step_q16 = 0;
-  int weight = 0;                             // of `right`, in 1/64
-  int surface_shrink = 1, surface_limit = 0;  // hidden where surface[row / shrink] > limit
-  int y_begin = 0, y_end = 0;                 // panorama rows whose samples lie inside the photo
+  int weight = 0;              // of `right`, in 1/64
+  int surface_limit = 0;       // hidden where surface[row] > limit
+  int y_begin = 0, y_end = 0;  // panorama rows whose samples lie inside the photo
 };
 
 struct Lines {

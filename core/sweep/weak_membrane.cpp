@@ -7,29 +7,23 @@
 #include <vector>
 
 #include "core/sweep/sweep_kernels.h"
+#include "core/sweep/sweep_tuning.h"
 
 namespace ldp::sweep {
 namespace {
 
-// Chosen on views of photos left out, the same for all (20, 40 and 60 rounds, ties of 5 to 60,
-// breaking at an eighth to a whole label, plain up to 12 to 255): redkitchen_arc 23.90 v 23.71 dB and SSIM .839 v .831,
-// desk_sweep 21.88 v 21.66 and .853 v .846, kitchen_sideways 24.29 v 24.23 and .822 v .816, atrium_360 21.80 v 21.77,
-// courtyard_360 22.59 v 22.61 (SSIM .756 v .754). Ties that break late everywhere draw leaves together (garden 20.58 v
-// 20.63 dB).
-constexpr int kRounds = 20;
-constexpr int kStrongest = 25;  // tie of neighbours of one grey, where firmness is as depth_refinement.cpp has it
-constexpr int kDecay = 239;     // of 256: tie that each grey level of difference leaves, exp(-1/15)
-constexpr int kContrastReach = 3, kPlainContrast = 24;
+using namespace tuning;
+
 constexpr uint8_t kPlain = 128;  // flag of a tie between plain pixels
 constexpr int kFraction = 8;     // parts of a disparity step that rounds reckon with
 constexpr int kRowsAtOnce = 16;
 
 constexpr std::array<uint8_t, 256> kTies = [] {
   std::array<uint8_t, 256> ties{};
-  int tie = kStrongest * 256;
+  int tie = kStrongestTie * 256;
   for (auto& t : ties) {
     t = static_cast<uint8_t>((tie + 128) / 256);
-    tie = tie * kDecay / 256;
+    tie = tie * kTieDecay / 256;
   }
   return ties;
 }();
@@ -42,7 +36,7 @@ class Membrane {
         firmness_(firmness),
         guide_(guide),
         plain_reach_(label_steps * kFraction),
-        reach_(plain_reach_ / 6),
+        reach_(plain_reach_ / kLabelBreaks),
         wraps_(wraps),
         job_(job),
         width_(disparity.width),
@@ -55,7 +49,7 @@ class Membrane {
   }
 
   DisparityMap settled() {
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kMembraneRounds; ++round) {
       by_rows([&](int first, int last) {
         for (int y = first; y < last; ++y) settle_row(y);
       });
@@ -96,14 +90,16 @@ class Membrane {
 
   // Where the contrast of the guide's present pixels is low in rows `first` to `end`.
   void find_plain(int first, int end, Plane<uint8_t>& plain) const {
-    constexpr int kRows = 2 * kContrastReach + 1;
+    constexpr int kRows = 2 * kMembraneContrastReach + 1;
     const auto padded = static_cast<size_t>(width_ + kernels::kPadding);
-    const int above = std::max(0, first - kContrastReach), beyond = std::min(height_, end + kContrastReach);
-    std::vector<uint8_t> darkest(padded + 2 * kContrastReach), brightest = darkest, contrast(padded), unused(padded);
+    const int above = std::max(0, first - kMembraneContrastReach),
+              beyond = std::min(height_, end + kMembraneContrastReach);
+    std::vector<uint8_t> darkest(padded + 2 * kMembraneContrastReach), brightest = darkest, contrast(padded),
+                                                                       unused(padded);
     std::vector<std::vector<uint8_t>> low, high;
     for (int y = above; y < beyond; ++y) {
-      for (int i = 0; i < width_ + 2 * kContrastReach; ++i) {
-        const int beside = i - kContrastReach,
+      for (int i = 0; i < width_ + 2 * kMembraneContrastReach; ++i) {
+        const int beside = i - kMembraneContrastReach,
                   x = wraps_ ? (beside + width_) % width_ : std::clamp(beside, 0, width_ - 1);
         const bool present = held_.at(x, y) != kNoDisparity;
         darkest[static_cast<size_t>(i)] = present ? guide_.at(x, y) : uint8_t{255};
@@ -117,12 +113,13 @@ class Membrane {
     for (int y = first; y < end; ++y) {
       kernels::Tinted<const uint8_t> lows[kRows], highs[kRows];
       for (int k = 0; k < kRows; ++k) {
-        const auto at = static_cast<size_t>(std::clamp(y + k - kContrastReach, above, beyond - 1) - above);
+        const auto at = static_cast<size_t>(std::clamp(y + k - kMembraneContrastReach, above, beyond - 1) - above);
         lows[k] = {low[at].data(), low[at].data()};
         highs[k] = {high[at].data(), high[at].data()};
       }
       kernels::best().contrast7(lows, highs, width_, contrast.data());
-      for (int x = 0; x < width_; ++x) plain.at(x, y - first) = contrast[static_cast<size_t>(x)] <= kPlainContrast;
+      for (int x = 0; x < width_; ++x)
+        plain.at(x, y - first) = contrast[static_cast<size_t>(x)] <= kMembranePlainContrast;
     }
   }
 
@@ -145,7 +142,7 @@ class Membrane {
 
   // What a round looks at in one row.
   struct Row {
-    static_assert((255 + 4 * kStrongest) * kDisparitySteps * kFraction < 1 << 24);
+    static_assert((255 + 4 * kStrongestTie) * kDisparitySteps * kFraction < 1 << 24);
     const uint16_t *own, *up, *down, *held;
     const uint8_t *firmness, *right, *above, *below;
     int reach, more_where_plain;

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "core/sweep/sweep_kernels.h"
+#include "core/sweep/sweep_tuning.h"
 
 namespace ldp::sweep {
 namespace {
 
 constexpr int kReach = kernels::kSmoothReach;
-constexpr int kDecay = 217;  // of 256: weight that each grey level of difference leaves, exp(-1/6)
 constexpr int kRowsAtOnce = 16, kColumnsAtOnce = 64;
 
 constexpr std::array<uint8_t, kernels::kSmoothWeights> kWeights = [] {
@@ -18,7 +18,7 @@ constexpr std::array<uint8_t, kernels::kSmoothWeights> kWeights = [] {
   int weight = 255 * 256;
   for (auto& w : weights) {
     w = static_cast<uint8_t>(weight / 256);
-    weight = weight * kDecay / 256;
+    weight = weight * tuning::kMedianDecay / 256;
   }
   return weights;
 }();

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <limits>
-#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "core/base/scratch_pool.h"
 #include "core/view/inpainting.h"
 #include "core/view/mesh/mesh.h"
 #include "core/view/raster/raster.h"
@@ -59,28 +59,14 @@ struct Renderer::Prepared {
   PanoramaGrid grid;
   render::Mesh mesh;
 
-  // Strip buffers of earlier views, to be used again.
-  std::mutex mutex;
-  std::vector<std::unique_ptr<render::StripTarget>> spare;
-
-  std::unique_ptr<render::StripTarget> take_strip() {
-    const std::lock_guard lock(mutex);
-    if (spare.empty()) return std::make_unique<render::StripTarget>();
-    auto strip = std::move(spare.back());
-    spare.pop_back();
-    return strip;
-  }
-  void give_back(std::unique_ptr<render::StripTarget> strip) {
-    const std::lock_guard lock(mutex);
-    spare.push_back(std::move(strip));
-  }
+  ScratchPool<render::StripTarget> strips;
 };
 
 Renderer::Renderer(const LayeredPanorama& panorama)
-    : prepared_(new Prepared{panorama.grid, render::build_mesh(panorama), {}, {}}) {}
+    : prepared_(new Prepared{panorama.grid, render::build_mesh(panorama), {}}) {}
 
 Renderer::Renderer(LayeredPanorama&& panorama)
-    : prepared_(new Prepared{panorama.grid, render::build_mesh(std::move(panorama)), {}, {}}) {}
+    : prepared_(new Prepared{panorama.grid, render::build_mesh(std::move(panorama)), {}}) {}
 
 Renderer::~Renderer() = default;
 
@@ -99,11 +85,11 @@ View Renderer::render(const Camera& camera, const RenderOptions& options, const 
     if (tile.layer < drawn && frustum.sees(tile, window)) tiles.push_back(&tile);
   const int strips = (k.width + kStripPx - 1) / kStripPx;
   parallel_for(job, strips, [&](int i) {
-    auto strip = prepared_->take_strip();
+    auto strip = prepared_->strips.take();
     strip->clear(i * kStripPx, std::min(kStripPx, k.width - i * kStripPx), k.height);
     render::draw(tiles, frustum, *strip);
     store(*strip, view, inverse_z);
-    prepared_->give_back(std::move(strip));
+    prepared_->strips.give_back(std::move(strip));
   });
   if (options.fill == Fill::background)
     view.invented_share = render::fill_background(inverse_z, view.colour, view.alpha);

@@ -11,6 +11,9 @@ struct Words {
 
 constexpr Words kWords[] = {
     {"give the field of view", "give the field of view (--fov)"},
+    {"a turn by 90 or by 270 degrees", "--turn 90 or --turn 270"},
+    {"where it stood upright, no turn", "where it stood upright, no --turn"},
+    {"leave the turn out", "leave --turn out"},
     {"memory_bytes", "--memory"},
     {"near_depth", "--near"},
     {"far_depth", "--far"},

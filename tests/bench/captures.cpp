@@ -22,7 +22,7 @@ PreparedCapture prepare_capture(const std::string& folder) {
   const auto given = read_transforms(capture / "transforms.json");
   const CaptureFrames frames(std::filesystem::exists(capture / "frames") ? capture / "frames" : capture, given);
   const Poses poses = triangulate(frames, given, {}, {});
-  const ArcFit fit = fit_arc(poses.cameras, {});
+  const ArcFit fit = fit_arc(poses.cameras);
   return {lay_grid(fit.arc, poses.cameras, poses.points, {}),
           rectify(frames, poses.cameras, poses.frame_of_camera, poses.points, fit.arc, 1, {})};
 }

@@ -122,7 +122,7 @@ int run(const fs::path& capture, Rays rays, const std::string& pictures, const s
   };
   const Poses poses = triangulate(frames, given, {}, job);
   lap("points");
-  const ArcFit fit = fit_arc(poses.cameras, {});
+  const ArcFit fit = fit_arc(poses.cameras);
   GridOptions grid_options;
   grid_options.rays = rays;
   const PanoramaGrid grid = lay_grid(fit.arc, poses.cameras, poses.points, grid_options);

@@ -40,7 +40,7 @@ PanoramaGrid make_grid(const std::vector<TrueView>& frames, double scale) {
   PanoramaGrid grid;
   std::vector<Camera> cameras;
   for (const TrueView& f : frames) cameras.push_back(f.camera);
-  grid.arc = fit_arc(cameras, {}).arc;
+  grid.arc = fit_arc(cameras).arc;
   const Intrinsics& k = frames[0].camera.intrinsics;
   grid.theta_pitch = grid.v_pitch = 1 / (k.fx * scale);
   const double half_view = std::atan(k.width / 2.0 / k.fx), turn = 2 * std::numbers::pi;

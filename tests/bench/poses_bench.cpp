@@ -126,7 +126,7 @@ Score score(const std::vector<Camera>& found, const std::vector<Camera>& truth) 
     above += (t.pose.centre - b).dot(turn * (f.pose.centre - a));
     below += (f.pose.centre - a).squaredNorm();
   }
-  const double radius = fit_arc(truth, ArcOptions{}).arc.radius;
+  const double radius = fit_arc(truth).arc.radius;
   std::vector<double> centres, turns;
   for (const auto& [f, t] : both) {
     centres.push_back((above / below * turn * (f.pose.centre - a) + b - t.pose.centre).norm() / radius * 100);
@@ -159,7 +159,7 @@ void print_frames(const PosesReport& report) {
 }
 
 void print_arc(const std::vector<Camera>& cameras, const std::vector<ScenePoint>& points) {
-  const ArcFit fit = fit_arc(cameras, ArcOptions{});
+  const ArcFit fit = fit_arc(cameras);
   double radial = 0, height = 0;
   for (const double r : fit.radial_residuals) radial = std::max(radial, std::abs(r));
   for (const double h : fit.height_residuals) height = std::max(height, std::abs(h));

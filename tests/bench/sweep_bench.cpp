@@ -88,7 +88,7 @@ void Kernels(benchmark::State& state, const kernels::Kernels& kernels) {
       views[k] = out.grey;
       views[kViews + k] = out.tint;
     }
-    kernels.robust_variance(views, views + kViews, kViews, kRows, phi.data(), {grey.data(), right.data()});
+    kernels.robust_variance({views, views + kViews}, kViews, kRows, phi.data(), {grey.data(), right.data()});
     kernels.sum5(phi.data(), kRows, sums.data());
     kernels.slide(sums.data(), sums.data(), kRows, total.data());
     kernels.min3_rows(total.data(), kRows, lowest.data());

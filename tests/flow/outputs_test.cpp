@@ -254,8 +254,8 @@ TEST_F(Outputs, MemoryThatEndsIsToldWithWhatTheCommandCanBeTold) {
                  "ldp poses: not enough memory: use fewer photos, or smaller ones (--megapixels)\n", with("20000"));
   expect_refusal({"build", path("big"), "-o", path("a.ldp"), "--megapixels", "6"}, 1,
                  "smaller ones (--megapixels), or a coarser panorama (--memory)\n", with("20000"));
-  expect_refusal({"scene", "room", "--size", "320x240", "--no-novel", "--threads", "64", "-o", path("room")}, 1,
-                 "ldp scene: not enough memory: make smaller pictures (--size), or fewer --threads\n", with("200000"));
+  expect_refusal({"scene", "room", "--size", "4096x4096", "--no-novel", "-o", path("room")}, 1,
+                 "ldp scene: not enough memory: make smaller pictures (--size)", with("60000"));
 }
 
 TEST_F(Outputs, SmallFilesAreCountedInKilobytes) {

@@ -152,7 +152,7 @@ TEST(FetchColours, ReadsAPhotographWhereTheCameraProjectsTheVoxel) {
   const FramesInMemory frames({ramp()});
   std::vector<Camera> cameras = {camera_at(0.05)};
   cameras[0].intrinsics.k1 = 0.1;
-  fetch_colours(grid, {frames, cameras, {0}, {{1, 1, 1}}}, {{&layer, &source, &colour}}, {}, {});
+  blend_colours(grid, {frames, cameras, {0}, {{1, 1, 1}}}, {{&layer, &source, &colour}}, {}, {});
   for (const auto& [x, y] : {std::pair{40, 20}, {55, 41}, {60, 10}}) {
     const Eigen::Vector3d p = grid.point(grid.theta(x + 0.5), grid.v(y + 0.5), 0.5) - cameras[0].pose.centre;
     const Eigen::Vector2d at = project(cameras[0].intrinsics, cameras[0].pose.world_from_camera.transpose() * p);
@@ -169,22 +169,22 @@ TEST(FetchColours, AppliesTheGainOfEachChannel) {
   RgbImage colour(grid.width, grid.height);
   const FramesInMemory frames({RgbImage(140, 80, {100, 100, 50})});
   const std::vector<Camera> cameras = {camera_at(0)};
-  fetch_colours(grid, {frames, cameras, {0}, {{0.5F, 1.25F, 2}}}, {{&layer, &source, &colour}}, {}, {});
+  blend_colours(grid, {frames, cameras, {0}, {{0.5F, 1.25F, 2}}}, {{&layer, &source, &colour}}, {}, {});
   EXPECT_EQ(colour.at(50, 30), (Rgb{50, 125, 100}));
 }
 
 TEST(Agreed, IsTheMeanOfTheMiddleHalfOfEachChannel) {
   const std::vector<Colour> five = {{0, 10, 7}, {100, 11, 7}, {104, 900, 7}, {105, 12, 7}, {4000, 10, 7}};
-  EXPECT_EQ(agreed(five), (Colour{103, 11, 7}));
+  EXPECT_EQ(consensus(five), (Colour{103, 11, 7}));
   const std::vector<Colour> seven = {{10, 0, 0}, {1, 0, 0}, {60, 0, 0}, {2, 0, 0}, {90, 0, 0}, {3, 0, 0}, {5, 0, 9}};
-  EXPECT_EQ(agreed(seven), (Colour{6, 0, 0}));  // of 3 5 10
+  EXPECT_EQ(consensus(seven), (Colour{6, 0, 0}));  // of 3 5 10
   const std::vector<Colour> three = {{90, 0, 0}, {10, 0, 0}, {20, 0, 0}};
-  EXPECT_EQ(agreed(three), (Colour{20, 0, 0}));
+  EXPECT_EQ(consensus(three), (Colour{20, 0, 0}));
 }
 
 TEST(Agreed, OfTwoThatDifferNeitherIsOutvoted) {
   const std::vector<Colour> two = {{10, 10, 10}, {90, 90, 90}};
-  EXPECT_EQ(agreed(two), two[0]);
+  EXPECT_EQ(consensus(two), two[0]);
 }
 
 TEST(BrightnessDifferences, AreMediansOfCellsAndBilinearBetweenThem) {
@@ -241,7 +241,7 @@ TEST(BrightnessDifferences, GoOnAroundAClosedPanorama) {
   }
 }
 
-TEST(Witnesses, AreThePhotographsBesideAPixelsOwnThatSeeItsVoxel) {
+TEST(NeighbourViews, AreThePhotographsBesideAPixelsOwnThatSeeItsVoxel) {
   const PanoramaGrid grid = simple_grid(0.5);
   const DisparityMap layer(grid.width, grid.height, 0);
   std::vector<UprightFrame> frames;
@@ -254,14 +254,14 @@ TEST(Witnesses, AreThePhotographsBesideAPixelsOwnThatSeeItsVoxel) {
   maps.push_back(map_of(frames.back(), 0));
   SourceMap source(grid.width, grid.height, 7);
   source.set(50, 30, 1), source.set(51, 30, 5), source.set(52, 30, 4);
-  const Plane<uint8_t> witnesses = SourceCandidates(grid, layer, frames, maps, {}).witnesses(source, {});
-  EXPECT_EQ(witnesses.at(50, 30), 1 << witness_bit(-1) | 1 << witness_bit(2) | 1 << witness_bit(3));
-  EXPECT_EQ(witnesses.at(51, 30), 1 << witness_bit(-1) | 1 << witness_bit(-2));
-  EXPECT_EQ(witnesses.at(52, 30), 1 << witness_bit(-3) | 1 << witness_bit(-1) | 1 << witness_bit(1));
-  EXPECT_EQ(witnesses.at(53, 30), 0);
+  const Plane<uint8_t> neighbours = SourceCandidates(grid, layer, frames, maps, {}).neighbours(source, {});
+  EXPECT_EQ(neighbours.at(50, 30), 1 << neighbour_bit(-1) | 1 << neighbour_bit(2) | 1 << neighbour_bit(3));
+  EXPECT_EQ(neighbours.at(51, 30), 1 << neighbour_bit(-1) | 1 << neighbour_bit(-2));
+  EXPECT_EQ(neighbours.at(52, 30), 1 << neighbour_bit(-3) | 1 << neighbour_bit(-1) | 1 << neighbour_bit(1));
+  EXPECT_EQ(neighbours.at(53, 30), 0);
 }
 
-constexpr uint8_t kAllWitnesses = (1 << kWitnesses) - 1;
+constexpr uint8_t kAllNeighbours = (1 << kNeighbourViews) - 1;
 
 // Photographs of a far wall, taken one after another.
 struct Wall {
@@ -269,7 +269,7 @@ struct Wall {
   std::vector<RgbImage> photos;
   std::vector<Camera> cameras;
   SourceMap source{Plane<uint8_t>(grid.width, grid.height, 3)};
-  Plane<uint8_t> witnesses{grid.width, grid.height, kAllWitnesses};
+  Plane<uint8_t> neighbours{grid.width, grid.height, kAllNeighbours};
 
   explicit Wall(const std::vector<int>& levels) {
     for (const int level : levels) {
@@ -297,7 +297,7 @@ struct Wall {
 
   void left_seen_by(int these) {
     for (int y = 0; y < grid.height; ++y)
-      for (int x = 0; x < 64; ++x) witnesses.at(x, y) = static_cast<uint8_t>(these);
+      for (int x = 0; x < 64; ++x) neighbours.at(x, y) = static_cast<uint8_t>(these);
   }
 
   RgbImage panorama(bool even = false) const {
@@ -307,18 +307,18 @@ struct Wall {
     std::iota(frame_of_camera.begin(), frame_of_camera.end(), 0);
     const std::vector<Gain> gains(photos.size(), {1, 1, 1});
     ColourOptions options;
-    options.even_seams = even;
-    fetch_colours(grid, {FramesInMemory(photos), cameras, frame_of_camera, gains},
-                  {{&layer, &source, &colour, &witnesses}}, options, {});
+    options.level_seams = even;
+    blend_colours(grid, {FramesInMemory(photos), cameras, frame_of_camera, gains},
+                  {{&layer, &source, &colour, &neighbours}}, options, {});
     return colour;
   }
 };
 
 TEST(FetchColours, WhatOnePhotographAloneShowsIsNotKept) {
-  for (const int witnesses : {int{kAllWitnesses}, 1 << witness_bit(-3) | 1 << witness_bit(3)}) {
+  for (const int neighbours : {int{kAllNeighbours}, 1 << neighbour_bit(-3) | 1 << neighbour_bit(3)}) {
     Wall wall({100, 103, 112, 127, 148, 175, 208});
     wall.pass(3, 53, 250);
-    wall.left_seen_by(witnesses);
+    wall.left_seen_by(neighbours);
     const RgbImage panorama = wall.panorama();
     EXPECT_EQ(panorama.at(53, 30), (Rgb{127, 50, 60}));
     EXPECT_EQ(panorama.at(20, 30), (Rgb{127, 50, 60}));  // as bright as in its own photograph
@@ -335,7 +335,7 @@ TEST(FetchColours, PhotographsBeyondAByteAreToldApart) {
     for (int y = 0; y < wall.grid.height; ++y)
       for (int x = 0; x < 64; ++x) wall.source.set(x, y, 299);
     wall.right_from(299 - 256);
-    std::fill(wall.witnesses.samples.begin(), wall.witnesses.samples.end(), uint8_t{0});
+    std::fill(wall.neighbours.samples.begin(), wall.neighbours.samples.end(), uint8_t{0});
     const RgbImage panorama = wall.panorama(even);
     EXPECT_EQ(panorama.at(5, 30).r, 180);
     EXPECT_EQ(panorama.at(wall.grid.width - 5, 30).r, 20);
@@ -345,8 +345,8 @@ TEST(FetchColours, PhotographsBeyondAByteAreToldApart) {
 TEST(FetchColours, WhereFewerThanThreeSeeIsThePhotographsOwn) {
   Wall wall({100, 100, 100, 100, 100, 100, 100});
   wall.pass(3, 53, 250);
-  for (const int witnesses : {0, 1 << witness_bit(1)}) {
-    wall.left_seen_by(witnesses);
+  for (const int neighbours : {0, 1 << neighbour_bit(1)}) {
+    wall.left_seen_by(neighbours);
     EXPECT_EQ(wall.panorama().at(53, 30).r, 250);
   }
 }
@@ -375,7 +375,7 @@ TEST(FetchColours, BrightnessDiffersFromPlaceToPlace) {
 TEST(EvenSeams, SeeWhatPhotographsAgreeOn) {
   Wall wall({100, 100, 100, 100, 116, 116, 116});
   wall.right_from(4);
-  wall.left_seen_by(1 << witness_bit(1) | 1 << witness_bit(2));  // three with their own
+  wall.left_seen_by(1 << neighbour_bit(1) | 1 << neighbour_bit(2));  // three with their own
   const RgbImage clean = wall.panorama(true);
   EXPECT_LE(std::abs(clean.at(64, 30).r - clean.at(63, 30).r), 3);
   wall.pass(4, 60, 250);  // beyond the border, and on it
@@ -393,8 +393,8 @@ RgbImage two_exposures(bool even, int border) {
   const FramesInMemory frames({RgbImage(140, 80, {100, 100, 100}), RgbImage(140, 80, {116, 100, 100})});
   const std::vector<Camera> cameras = {camera_at(0.02), camera_at(-0.02)};
   ColourOptions options;
-  options.even_seams = even;
-  fetch_colours(grid, {frames, cameras, {0, 1}, {{1, 1, 1}, {1, 1, 1}}}, {{&layer, &source, &colour}}, options, {});
+  options.level_seams = even;
+  blend_colours(grid, {frames, cameras, {0, 1}, {{1, 1, 1}, {1, 1, 1}}}, {{&layer, &source, &colour}}, options, {});
   return colour;
 }
 

@@ -75,8 +75,8 @@ TEST(Visibility, IsTheSameAtAnyThreadCount) {
   const auto one = visibility(grid, {&map}, three_cameras(), {}, {}),
              many = visibility(grid, {&map}, three_cameras(), {}, four);
   for (size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].inverse_z, many[i].inverse_z);
-  EXPECT_EQ(wanted_behind(grid, map, three_cameras(), one, {}, {}),
-            wanted_behind(grid, map, three_cameras(), one, {}, four));
+  EXPECT_EQ(wanted_behind(grid, map, {three_cameras(), one}, {}, {}),
+            wanted_behind(grid, map, {three_cameras(), one}, {}, four));
 }
 
 TEST(Visibility, StopsWhenAsked) {
@@ -87,13 +87,6 @@ TEST(Visibility, StopsWhenAsked) {
   Job job;
   job.stop = source.get_token();
   EXPECT_THROW(visibility(grid, {&map}, three_cameras(), {}, job), Cancelled);
-}
-
-TEST(Visibility, RefusesAShrinkOfZero) {
-  LayersOptions options;
-  options.shrink = 0;
-  const DisparityMap none;
-  EXPECT_THROW(visibility(simple_grid(0.5), {&none}, {}, options, {}), std::logic_error);
 }
 
 TEST(WithoutSilhouettes, TakesTheFarthestWithinReachAndKeepsBroadSurfaces) {
@@ -113,7 +106,7 @@ TEST(WantedBehind, NothingBehindOneSurface) {
   const PanoramaGrid grid = simple_grid(0.5);
   const DisparityMap wall(grid.width, grid.height, kNearSteps / 2);
   const auto maps = visibility(grid, {&wall}, three_cameras(), {}, {});
-  const auto want = wanted_behind(grid, wall, three_cameras(), maps, {}, {});
+  const auto want = wanted_behind(grid, wall, {three_cameras(), maps}, {}, {});
   for (int y = 15; y < 45; ++y)
     for (int x = 30; x < 70; ++x) ASSERT_EQ(want.at(x, y), kUnwanted) << x << ", " << y;
 }
@@ -122,7 +115,7 @@ TEST(WantedBehind, OnlyBehindTheSquareAndHeldByTheSkyBesideIt) {
   const PanoramaGrid grid = simple_grid(0.5);
   const DisparityMap map = square_before_the_sky(grid);
   const auto maps = visibility(grid, {&map}, three_cameras(), {}, {});
-  const auto want = wanted_behind(grid, map, three_cameras(), maps, {}, {});
+  const auto want = wanted_behind(grid, map, {three_cameras(), maps}, {}, {});
   EXPECT_GT(count(want, kWanted), 50);
   EXPECT_GT(count(want, kBoundary), 10);
   for (size_t i = 0; i < want.samples.size(); ++i) {
@@ -139,7 +132,7 @@ TEST(WantedBehind, OneCameraAtTheRaysSeesNothingBehind) {
   camera.pose.centre = {0, 0, 0};  // where all central rays start
   const std::vector<UprightFrame> frames = {upright_of(camera, 0)};
   const DisparityMap map = square_before_the_sky(grid);
-  const auto want = wanted_behind(grid, map, frames, visibility(grid, {&map}, frames, {}, {}), {}, {});
+  const auto want = wanted_behind(grid, map, {frames, visibility(grid, {&map}, frames, {}, {})}, {}, {});
   for (int y = 25; y < 35; ++y)
     for (int x = kFirst + 2; x < kEnd - 2; ++x) EXPECT_EQ(want.at(x, y), kUnwanted);
 }
@@ -149,19 +142,19 @@ TEST(MoveIntoSight, GivesEveryWantedPixelADisparityBehindTheFrontThatSomeCameraS
   const DisparityMap map = square_before_the_sky(grid);
   const auto frames = three_cameras();
   const auto maps = visibility(grid, {&map}, frames, {}, {});
-  const auto want = wanted_behind(grid, map, frames, maps, {}, {});
+  const auto want = wanted_behind(grid, map, {frames, maps}, {}, {});
   const int gap = gap_steps(grid, {});
   DisparityMap layer(grid.width, grid.height, kNoDisparity);
   for (int x = 0; x < 50; ++x) layer.at(x, 30) = kNearSteps;  // not behind the square
   const DisparityMap before = layer;
-  move_into_sight(grid, map, gap, frames, maps, want, {}, layer);
+  move_to_visible(grid, map, gap, {frames, maps}, want, {}, layer);
   for (size_t i = 0; i < want.samples.size(); ++i) {
     if (want.samples[i] == kWanted)
       ASSERT_LE(layer.samples[i] + gap, map.samples[i]);
     else
       ASSERT_EQ(layer.samples[i], before.samples[i]);
   }
-  EXPECT_GE(drop_unseen(grid, frames, maps, {}, layer), count(want, kWanted) * 9 / 10);
+  EXPECT_GE(drop_unseen(grid, {frames, maps}, {}, layer), count(want, kWanted) * 9 / 10);
 }
 
 TEST(DropUnseen, KeepsWhatFillsAHoleAndDropsTheRest) {
@@ -169,7 +162,7 @@ TEST(DropUnseen, KeepsWhatFillsAHoleAndDropsTheRest) {
   const DisparityMap map = square_before_the_sky(grid);
   const auto maps = visibility(grid, {&map}, three_cameras(), {}, {});
   DisparityMap sky(grid.width, grid.height, 0);
-  const int kept = drop_unseen(grid, three_cameras(), maps, {}, sky);
+  const int kept = drop_unseen(grid, {three_cameras(), maps}, {}, sky);
   EXPECT_GT(kept, 0);
   EXPECT_EQ(sky.at(20, 30), kNoDisparity);  // sky beside the square is explained by the front layer
 }
@@ -327,8 +320,8 @@ TEST(DropSpecks, RemovesPartsOfFewerPixelsAndNoOthers) {
   layer.at(7, 3) = 300;
   layer.at(0, 3) = layer.at(1, 3) = 400;  // three with the one before, round the seam
   DisparityMap open = layer, closed = layer;
-  drop_specks(3, false, open);
-  drop_specks(3, true, closed);
+  drop_small_components(3, false, open);
+  drop_small_components(3, true, closed);
   DisparityMap expected(8, 4, kNoDisparity);
   for (int x = 0; x < 3; ++x) expected.at(x, 0) = 100;
   EXPECT_EQ(open.samples, expected.samples);

@@ -64,7 +64,7 @@ TEST_F(Rectify, APhotoThatLooksStraightUpIsNamedWithWhatToDo) {
   } catch (const std::runtime_error& error) {
     const std::string what = error.what();
     EXPECT_TRUE(what.starts_with("photo 'b.jpg' looks straight up or down")) << what;
-    EXPECT_NE(what.find("--turn 90 or --turn 270"), std::string::npos) << what;
+    EXPECT_NE(what.find("a turn by 90 or by 270 degrees"), std::string::npos) << what;
   }
 }
 

@@ -167,7 +167,6 @@ TEST(CostVolume, OnTheFrontLayerTheNearestCameraSeesWhatOthersDoNot) {
   std::vector<VisibilityMap> hiding(frames.size());  // all beyond a depth of 5
   for (size_t i = 0; i < frames.size(); ++i) {
     hiding[i].inverse_z = Plane<uint16_t>(frames[i].camera.height, frames[i].camera.width, 2000);
-    hiding[i].shrink = 1;
     hiding[i].scale = 1e-4;
   }
   const SweepOptions options;

@@ -18,6 +18,13 @@ TEST(Switches, AdviceGetsItsSwitchOnce) {
   EXPECT_EQ(with_switches("give the field of view (--fov)"), "give the field of view (--fov)");
 }
 
+TEST(Switches, TurnsAreGivenByTheirSwitch) {
+  EXPECT_EQ(with_switches("a turn by 90 or by 270 degrees shows things upright, where it stood upright, no turn"),
+            "--turn 90 or --turn 270 shows things upright, where it stood upright, no --turn");
+  EXPECT_EQ(with_switches("add a turn by 90 or by 270 degrees (where it stood upright, leave the turn out)"),
+            "add --turn 90 or --turn 270 (where it stood upright, leave --turn out)");
+}
+
 TEST(Switches, OtherWordsStay) {
   for (const char* text :
        {"a field of view of 60 degrees", "/data/near_depth/a.jpg: ends early", "near_depth.jpg", "a_near_depth"})

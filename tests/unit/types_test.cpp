@@ -1,13 +1,19 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include "core/base/job.h"
+#include "core/base/scratch_pool.h"
 #include "core/geometry/disparity.h"
 #include "core/geometry/geometry.h"
+#include "core/geometry/same_surface.h"
+#include "core/geometry/voxel_projection.h"
+#include "core/photos/catmull_rom.h"
 #include "core/photos/exposure_gain.h"
 
 namespace ldp {
@@ -58,6 +64,82 @@ TEST(Geometry, AnglesGrowAnticlockwiseSeenFromAbove) {
   const Arc arc;
   EXPECT_NEAR((arc.outward(std::numbers::pi / 2) - Eigen::Vector3d(0, 1, 0)).norm(), 0, 1e-12);
   EXPECT_NEAR((arc.axis() - Eigen::Vector3d(0, 0, 1)).norm(), 0, 1e-12);
+}
+
+TEST(VoxelProjection, PutsAVoxelWhereItsPointIs) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const Rays rays : {Rays::pushbroom, Rays::central}) {
+    PanoramaGrid grid;
+    grid.rays = rays;
+    grid.arc.radius = 0.6;
+    grid.arc.centre = {0.1, -0.2, 0.3};
+    grid.arc.world_from_arc.col(0) = Eigen::Vector3d(0, 1, 0);
+    grid.arc.world_from_arc.col(1) = Eigen::Vector3d(0, 0, 1);
+    grid.arc.world_from_arc.col(2) = Eigen::Vector3d(1, 0, 0);
+    Camera camera;
+    camera.intrinsics = {640, 480, 500, 510, 320, 240, 0.02, -0.01, 0.001, 0.002};
+    camera.pose.centre = {0.2, 0.4, 0.1};
+    camera.pose.world_from_camera.col(2) = grid.arc.outward(0.4);
+    camera.pose.world_from_camera.col(1) = -grid.arc.axis();
+    camera.pose.world_from_camera.col(0) = camera.pose.world_from_camera.col(1).cross(grid.arc.outward(0.4));
+    const UprightCamera upright{
+        camera.pose.centre, camera.pose.world_from_camera.col(0), grid.arc.outward(0.4), 500, 320, 240, 640, 480, 0};
+    const PhotoProjection into_photo(grid, camera);
+    const VoxelProjection into_upright(grid, upright);
+    for (int i = 0; i < 50; ++i) {
+      const double theta = 0.4 + 0.3 * uniform(random), v = 0.3 * uniform(random), w = 0.3 + 0.2 * uniform(random);
+      const Eigen::Vector3d q =
+          camera.pose.world_from_camera.transpose() * (grid.point(theta, v, w) - camera.pose.centre);
+      const Eigen::Vector3d times_w = into_photo.in_camera_axes(heading(theta), v, w);
+      ASSERT_LT((times_w - w * q).norm(), 1e-8);
+      const VoxelProjection::Column u = into_upright.column(heading(theta));
+      const double forward = into_upright.forward(u, w);
+      ASSERT_NEAR(forward, w * q.z(), 1e-8);
+      ASSERT_NEAR(into_upright.x_px(u, w), 500 * q.x() / q.z() + 320, 1e-5);
+      ASSERT_NEAR(into_upright.row_offset(w, forward) + v * into_upright.row_slope(forward), 500 * q.y() / q.z() + 240,
+                  1e-5);
+    }
+  }
+}
+
+TEST(SurfaceTolerance, GrowsWithRoundingAndWithTheNearerDepth) {
+  const SurfaceTolerance<int> label{254};
+  EXPECT_TRUE(label.same_surface(1000, 1254));
+  EXPECT_TRUE(label.same_surface(1254, 1000));
+  EXPECT_FALSE(label.same_surface(1000, 1255));
+  EXPECT_TRUE(label.same_surface(1000, 1255, 1));
+  const SurfaceTolerance<double> slanted{10, 0.02, 1000};  // inverse depth = 1000 + disparity
+  EXPECT_TRUE(slanted.same_surface(1000, 1050));           // 10 + 0.02 * 2050 = 51
+  EXPECT_FALSE(slanted.same_surface(1000, 1052));
+  EXPECT_FALSE(slanted.same_surface(0, 32));  // 10 + 0.02 * 1032 = 30.6
+}
+
+TEST(CatmullRom, HitsSamplesSumsToOneAndReproducesParabolas) {
+  constexpr int kPositions = 64;
+  constexpr int64_t kWhole = catmull_rom_whole(kPositions);
+  EXPECT_EQ(catmull_rom(0, kPositions), (std::array<int64_t, 4>{0, kWhole, 0, 0}));
+  for (int64_t t = 0; t < kPositions; ++t) {
+    const std::array<int64_t, 4> w = catmull_rom(t, kPositions);
+    ASSERT_EQ(w[0] + w[1] + w[2] + w[3], kWhole);
+    ASSERT_EQ(-w[0] + w[2] + 2 * w[3], kWhole / kPositions * t);                    // of f(x) = x
+    ASSERT_EQ((w[0] + w[2] + 4 * w[3]), kWhole / kPositions / kPositions * t * t);  // of f(x) = x x
+  }
+}
+
+TEST(ScratchPool, GivesBackWhatWasGivenAndMakesNoMoreThanAreOut) {
+  struct Buffer {
+    std::array<char, 8> room{};
+    size_t bytes() const { return room.size(); }
+  };
+  ScratchPool<Buffer> pool;
+  auto a = pool.take(), b = pool.take();
+  const Buffer* first = a.get();
+  ASSERT_NE(first, b.get());
+  EXPECT_EQ(pool.bytes(), 0u);
+  pool.give_back(std::move(a));
+  EXPECT_EQ(pool.bytes(), 8u);
+  EXPECT_EQ(pool.take().get(), first);
 }
 
 TEST(Disparity, UniformCodesAreTheLabelsOfThePaper) {

@@ -22,7 +22,6 @@ struct KernelGrid {
   uint8_t* message = nullptr;
   uint8_t* label = nullptr;
   uint8_t* fresh = nullptr;  // 1 per pixel, not 0 where messages came in that were not yet passed on; at first 3
-  int tolerance = 0;         // a message that changes by no more than this is not passed on
   int truncation = 0;
   const uint8_t* coarse = nullptr;  // 16 per factor
   const uint8_t* fine = nullptr;    // 16

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "core/geometry/same_surface.h"
 #include "core/view/mesh/prepared_layer.h"
 #include "core/view/mesh/torn_quads.h"
 #include "core/view/mesh/underlay.h"
@@ -303,7 +304,7 @@ CodedDepths::CodedDepths(const PanoramaGrid& grid) {
 
 bool connected(float a, float a_step, float b, float b_step, float parallax) {
   if (a < 0 || b < 0) return false;
-  return std::abs(a - b) <= 0.51F * (a_step + b_step) + kSlant * std::max(a, b) + parallax;
+  return SurfaceTolerance<float>{parallax, kSlant}.same_surface(a, b, 0.51F * (a_step + b_step));
 }
 
 Mesh build_mesh(const LayeredPanorama& panorama) {

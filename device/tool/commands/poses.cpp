@@ -107,7 +107,7 @@ int run(const PosesCommand& command, const Session& session) {
   if (!command.output.empty()) write_text(command.output, transforms_json(poses.cameras));
   bar.reset();
   if (const std::string what = sideways(poses.cameras); !what.empty())
-    std::fprintf(stderr, "ldp poses: %s\n", what.c_str());
+    std::fprintf(stderr, "ldp poses: %s\n", with_switches(what).c_str());
   if (session.json)
     std::printf("%s\n", poses_json(poses.report).dump(1).c_str());
   else

@@ -13,11 +13,11 @@
 
 namespace ldp::solve {
 
-class Strip {
+class ColumnBuffer {
  public:
   static constexpr int kHeld = 3;  // pieces that exist at a time
 
-  Strip(const GridSource& source, const Smoothness& smoothness) : source_(source), smoothness_(smoothness) {}
+  ColumnBuffer(const GridSource& source, const Smoothness& smoothness) : source_(source), smoothness_(smoothness) {}
 
   // Plans a walk whose place i spans the x and width of places[i]; neighbouring places overlap or touch.
   void plan(const std::vector<Window>& places);
@@ -36,7 +36,7 @@ class Strip {
   int pixel(int x) const { return column_of_terms_[static_cast<size_t>(x)] * terms_.height; }
   size_t bytes() const { return terms_.bytes() + column_of_terms_.capacity() * sizeof(int); }
 
-  // Terms and edges of a part of the strip.
+  // Terms and edges of a part of the buffer.
   void copy(const Window& part, LabelGrid& grid) const;
 
   // Whether a part holds pixels of the problem.

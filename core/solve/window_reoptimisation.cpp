@@ -1,4 +1,4 @@
-#include "core/solve/settling.h"
+#include "core/solve/window_reoptimisation.h"
 
 #include <algorithm>
 #include <utility>
@@ -11,41 +11,42 @@ size_t at(int i) { return static_cast<size_t>(i); }
 
 }  // namespace
 
-Settling::Settling(const GridSource& source, const Smoothness& smoothness, const WindowCuts& cuts, const Effort& effort,
-                   bool all, Plane<uint8_t> before, SlotsTaken& taken)
+WindowReoptimisation::WindowReoptimisation(const GridSource& source, const Smoothness& smoothness,
+                                           const WindowTiling& tiling, const Effort& effort, bool all,
+                                           Plane<uint8_t> before, SlotMap& slot_map)
     : source_(source),
       smoothness_(smoothness),
-      cuts_(cuts),
+      tiling_(tiling),
       effort_(effort),
       all_(all),
       before_(std::move(before)),
-      moved_(taken.slots),
-      taken_(taken) {}
+      moved_(slot_map.slots),
+      slot_map_(slot_map) {}
 
-Energy Settling::run(const Job& job) {
+Energy WindowReoptimisation::run(const Job& job) {
   Energy sum;
   for (size_t class_x = 0; class_x < 3; ++class_x)
     for (size_t class_y = 0; class_y < 2; ++class_y) {
       std::vector<Cell> cells;
-      for (size_t i = 0; i < cuts_.columns.size(); ++i)
-        for (size_t j = class_y; j < cuts_.rows.size(); j += 2)
-          if (const Cell cell{cuts_.columns[i], cuts_.rows[j]}; class_of(i) == class_x && (all_ || touched(cell)))
+      for (size_t i = 0; i < tiling_.columns.size(); ++i)
+        for (size_t j = class_y; j < tiling_.rows.size(); j += 2)
+          if (const Cell cell{tiling_.columns[i], tiling_.rows[j]}; class_of(i) == class_x && (all_ || touched(cell)))
             cells.push_back(cell);
       std::vector<Energy> rises(cells.size());
-      parallel_for(job, static_cast<int>(cells.size()), [&](int i) { rises[at(i)] = settle(cells[at(i)], job); });
+      parallel_for(job, static_cast<int>(cells.size()), [&](int i) { rises[at(i)] = reoptimise(cells[at(i)], job); });
       for (const Energy& rise : rises) sum += rise;
     }
   return sum;
 }
 
 // Windows of one class share no edge. On a ring of an odd number of intervals the last is next to the first.
-size_t Settling::class_of(size_t interval) const {
-  const size_t count = cuts_.columns.size();
+size_t WindowReoptimisation::class_of(size_t interval) const {
+  const size_t count = tiling_.columns.size();
   return source_.wraps() && count % 2 == 1 && interval + 1 == count ? 2 : interval % 2;
 }
 
 // Whether a core or the pixels next to it changed.
-bool Settling::touched(const Cell& cell) const {
+bool WindowReoptimisation::touched(const Cell& cell) const {
   const int top = std::max(0, cell.row.core_begin - 1),
             bottom = std::min(source_.height(), cell.row.core_begin + cell.row.core_size + 1);
   for (int i = -1; i <= cell.column.core_size; ++i) {
@@ -60,7 +61,7 @@ bool Settling::touched(const Cell& cell) const {
 
 // Solves a window again. Gives by how much the energy of its core's pixels and edges rose when regions moved, and that
 // of the window since then.
-Energy Settling::settle(const Cell& cell, const Job& job) {
+Energy WindowReoptimisation::reoptimise(const Cell& cell, const Job& job) {
   const FramedWindow window({cell.column.begin, cell.row.begin, cell.column.size, cell.row.size}, source_);
   auto scratch = pool_.take();
   LabelGrid& grid = scratch->grid;
@@ -72,14 +73,14 @@ Energy Settling::settle(const Cell& cell, const Job& job) {
   Energy rise = core_energy(cell, window.outer, grid);
   take_labels(window.outer, before_, grid);
   rise -= core_energy(cell, window.outer, grid);
-  take_labels(window.outer, taken_.slots, grid);
-  if (all_ || unsettled(window.outer, grid)) rise += solve_again(window, *scratch, job);
+  take_labels(window.outer, slot_map_.slots, grid);
+  if (all_ || worth_reoptimising(window.outer, grid)) rise += solve_again(window, *scratch, job);
   pool_.give_back(std::move(scratch));
   return rise;
 }
 
 // Whether a label that a region took meets another label in a window.
-bool Settling::unsettled(const Window& outer, const LabelGrid& grid) const {
+bool WindowReoptimisation::worth_reoptimising(const Window& outer, const LabelGrid& grid) const {
   for (int x = 0; x < grid.width; ++x)
     for (int y = 0; y < grid.height; ++y) {
       const int column = (outer.x + x) % source_.width(), p = x * grid.height + y;
@@ -91,7 +92,7 @@ bool Settling::unsettled(const Window& outer, const LabelGrid& grid) const {
   return false;
 }
 
-Energy Settling::solve_again(const FramedWindow& window, WindowScratch& scratch, const Job& job) {
+Energy WindowReoptimisation::solve_again(const FramedWindow& window, WindowScratch& scratch, const Job& job) {
   LabelGrid& grid = scratch.grid;
   const auto with_ring = [&](int64_t ring) {  // ring: pair terms that became data terms
     Energy energy = energy_of(grid, smoothness_);
@@ -101,14 +102,14 @@ Energy Settling::solve_again(const FramedWindow& window, WindowScratch& scratch,
   };
   const Energy before = with_ring(fold_ring(window, smoothness_, grid));
   if (!scratch.solve(smoothness_, source_.slots(), effort_, job)) return {};
-  taken_.store(window, grid);
+  slot_map_.store(window, grid);
   Energy rise = with_ring(ring_energy(window, source_, smoothness_, grid));
   rise -= before;
   return rise;
 }
 
 // Energy of the pixels of a core and of the edges that lead down and to the right from them.
-Energy Settling::core_energy(const Cell& cell, const Window& outer, const LabelGrid& grid) const {
+Energy WindowReoptimisation::core_energy(const Cell& cell, const Window& outer, const LabelGrid& grid) const {
   const int left = (cell.column.core_begin - outer.x + 2 * source_.width()) % source_.width();
   const int top = cell.row.core_begin - outer.y;
   Energy energy;

@@ -1,11 +1,11 @@
-#include "core/solve/strip.h"
+#include "core/solve/column_buffer.h"
 
 #include <algorithm>
 #include <array>
 
 namespace ldp::solve {
 
-void Strip::plan(const std::vector<Window>& places) {
+void ColumnBuffer::plan(const std::vector<Window>& places) {
   first_column_ = places[0].x;
   begins_.clear();
   ends_.clear();
@@ -26,12 +26,12 @@ void Strip::plan(const std::vector<Window>& places) {
       column_of_terms_.push_back(first[i % kHeld] + x - piece_begin(static_cast<int>(i)));
 }
 
-void Strip::load_rows(int place, int y, int rows) {
+void ColumnBuffer::load_rows(int place, int y, int rows) {
   const int x = piece_begin(place);
   if (x < end(place)) source_.load({column(x), y, end(place) - x, rows}, terms_, pixel(x) + y);
 }
 
-void Strip::copy(const Window& part, LabelGrid& grid) const {
+void ColumnBuffer::copy(const Window& part, LabelGrid& grid) const {
   grid.resize(part.width, part.height, source_.has_positions());
   for (int x = 0; x < part.width; ++x) {
     const auto from = static_cast<ptrdiff_t>(pixel(part.x + x) + part.y);
@@ -48,7 +48,7 @@ void Strip::copy(const Window& part, LabelGrid& grid) const {
   set_edges(source_, {column(part.x), part.y, part.width, part.height}, grid);
 }
 
-bool Strip::any_solved(const Window& part) const {
+bool ColumnBuffer::any_solved(const Window& part) const {
   for (int x = part.x; x < part.x + part.width; ++x) {
     const uint8_t* column = terms_.solved.data() + pixel(x) + part.y;
     if (std::any_of(column, column + part.height, [](uint8_t solved) { return solved != 0; })) return true;
@@ -56,7 +56,7 @@ bool Strip::any_solved(const Window& part) const {
   return false;
 }
 
-Energy Strip::column_energy(int x, const std::vector<uint8_t>& labels) const {
+Energy ColumnBuffer::column_energy(int x, const std::vector<uint8_t>& labels) const {
   Energy energy;
   for (size_t y = 0; y < labels.size(); ++y) {
     const int p = pixel(x) + static_cast<int>(y);
@@ -69,7 +69,7 @@ Energy Strip::column_energy(int x, const std::vector<uint8_t>& labels) const {
   return energy;
 }
 
-int64_t Strip::seam_energy(int x, const std::vector<uint8_t>& labels, const std::vector<uint8_t>& next) const {
+int64_t ColumnBuffer::seam_energy(int x, const std::vector<uint8_t>& labels, const std::vector<uint8_t>& next) const {
   int64_t energy = 0;
   for (size_t y = 0; y < labels.size(); ++y) {
     const int p = pixel(x) + static_cast<int>(y), q = pixel(x + 1) + static_cast<int>(y);

@@ -8,15 +8,18 @@
 
 #include "core/colour/blending.h"
 #include "core/colour/colour.h"
+#include "core/colour/colour_tuning.h"
 #include "core/colour/photo_sampler.h"
 #include "core/colour/seam_levelling.h"
+#include "core/geometry/same_surface.h"
 
 namespace ldp::colour {
 namespace {
 
+using namespace tuning;
+
 constexpr int kRowsAtOnce = 16;
-constexpr int kCompareEvery = 4;  // pixels, both ways: enough to compare photographs' brightness
-constexpr int kSameSurface = kDisparitySteps / (kLabels - 1);
+constexpr SurfaceTolerance<int> kOneSurface{kDisparitySteps / (kLabels - 1) - 1};  // less than a label
 
 // One pixel of a border, met while its neighbour's photograph is in memory. Small: where a camera moves forward, there
 // are millions.
@@ -52,11 +55,11 @@ struct Voxel {
   int x = 0, y = 0;
   double w = 0;  // inverse depth
   int source = 0;
-  uint8_t witnesses = 0;
+  uint8_t neighbours = 0;
 
   bool seen_by(int photo) const {
     const int offset = photo - source;
-    return offset == 0 || (std::abs(offset) <= kBeside && (witnesses >> witness_bit(offset) & 1) != 0);
+    return offset == 0 || (std::abs(offset) <= kViewsAside && (neighbours >> neighbour_bit(offset) & 1) != 0);
   }
 };
 
@@ -80,15 +83,15 @@ class OpenPhotographs {
     return open.sampler.sample(open.picture, voxel.x, voxel.y, voxel.w);
   }
 
-  // What those around photograph `index` show of a voxel that they see: visit(witness, colour).
+  // What those around photograph `index` show of a voxel that they see: visit(neighbour, colour).
   template <typename Visit>
-  void ask_witnesses(int index, const Voxel& voxel, const Visit& visit) const {
+  void for_neighbours(int index, const Voxel& voxel, const Visit& visit) const {
     const int last = static_cast<int>(open_.size()) - 1;
-    for (int other = std::max(0, index - kBeside); other <= std::min(last, index + kBeside); ++other) {
+    for (int other = std::max(0, index - kViewsAside); other <= std::min(last, index + kViewsAside); ++other) {
       if (other == index || !voxel.seen_by(other)) continue;
       const Open& open = *open_[static_cast<size_t>(other)];
       if (const auto c = open.sampler.sample_if_inside(open.picture, voxel.x, voxel.y, voxel.w))
-        visit(witness_bit(other - index), *c);
+        visit(neighbour_bit(other - index), *c);
     }
   }
 
@@ -103,46 +106,46 @@ class OpenPhotographs {
   std::vector<std::optional<Open>> open_;  // one per camera
 };
 
-// What photograph `index` and its witnesses agree on.
-Colour agreed_colour(const OpenPhotographs& open, const BrightnessDifferences& differences, int index,
-                     const Voxel& voxel) {
+// What photograph `index` and its neighbours agree on.
+Colour consensus_colour(const OpenPhotographs& open, const BrightnessDifferences& differences, int index,
+                        const Voxel& voxel) {
   const Colour own = open.sample(index, voxel);
-  std::array<Colour, 1 + kWitnesses> samples{own};
+  std::array<Colour, 1 + kNeighbourViews> samples{own};
   size_t count = 1;
-  open.ask_witnesses(index, voxel, [&](int witness, const Colour& c) {
-    const auto brighter = differences.at(voxel.x, voxel.y, witness);
+  open.for_neighbours(index, voxel, [&](int neighbour, const Colour& c) {
+    const auto brighter = differences.at(voxel.x, voxel.y, neighbour);
     if (!brighter) return;
     for (size_t k = 0; k < 3; ++k) samples[count][k] = c[k] - (*brighter)[k];
     ++count;
   });
-  return agreed({samples.data(), count});
+  return consensus({samples.data(), count});
 }
 
-class LayerFetch {
+class LayerBlend {
  public:
-  LayerFetch(const PanoramaGrid& grid, const ColourTask& task) : grid_(grid), task_(task) {
+  LayerBlend(const PanoramaGrid& grid, const ColourTask& task) : grid_(grid), task_(task) {
     seams_of_row_.resize(static_cast<size_t>(grid.height));
     find_spans();
   }
 
-  // Adds by how much each witness is brighter than photograph `index`, where a cell is taken from it.
+  // Adds by how much each neighbour is brighter than photograph `index`, where a cell is taken from it.
   void compare(const OpenPhotographs& open, const BrightnessDifferences& cells, int index, int column, int row,
-               std::array<std::vector<Colour>, kWitnesses>& samples) const {
+               std::array<std::vector<Colour>, kNeighbourViews>& samples) const {
     const int end_x = std::min(cells.begin_x(column + 1), span_of(index).end);
     for (int y = cells.begin_y(row); y < cells.begin_y(row + 1); y += kCompareEvery)
       for (int x = cells.begin_x(column); x < end_x; x += kCompareEvery) {
         if (task_.source->at(x, y) != index) continue;
         const Voxel voxel = at(x, y);
-        if (voxel.witnesses == 0) continue;
+        if (voxel.neighbours == 0) continue;
         const Colour own = open.sample(index, voxel);
-        open.ask_witnesses(index, voxel, [&](int witness, const Colour& c) {
-          samples[static_cast<size_t>(witness)].push_back({c[0] - own[0], c[1] - own[1], c[2] - own[2]});
+        open.for_neighbours(index, voxel, [&](int neighbour, const Colour& c) {
+          samples[static_cast<size_t>(neighbour)].push_back({c[0] - own[0], c[1] - own[1], c[2] - own[2]});
         });
       }
   }
 
   // What is taken from photograph `index`.
-  void fetch_row(const OpenPhotographs& open, const BrightnessDifferences& differences, int index, int y) {
+  void blend_row(const OpenPhotographs& open, const BrightnessDifferences& differences, int index, int y) {
     const Span span = span_of(index);
     for (int x = span.begin; x < span.end; ++x) {
       const int source = task_.source->at(x, y);
@@ -151,7 +154,7 @@ class LayerFetch {
       const auto side = own ? std::nullopt : side_of(x, y, index);
       if (!own && !side) continue;
       const Voxel voxel = at(x, y);
-      const Colour c = agreed_colour(open, differences, index, voxel);
+      const Colour c = consensus_colour(open, differences, index, voxel);
       if (own)
         task_.colour->at(x, y) = stored(c);
       else
@@ -176,7 +179,7 @@ class LayerFetch {
 
   Voxel at(int x, int y) const {
     return {x, y, grid_.inverse_depth(task_.disparity->at(x, y)), task_.source->at(x, y),
-            task_.witnesses ? task_.witnesses->at(x, y) : uint8_t{0}};
+            task_.neighbours ? task_.neighbours->at(x, y) : uint8_t{0}};
   }
 
   Span span_of(int index) const {
@@ -208,7 +211,7 @@ class LayerFetch {
       const int ny = y + kSides[side][1];
       if (grid_.wraps) nx = (nx + grid_.width) % grid_.width;
       if (!task_.disparity->contains(nx, ny) || task_.source->at(nx, ny) != index) continue;
-      if (std::abs(task_.disparity->at(nx, ny) - d) < kSameSurface) return side;
+      if (kOneSurface.same_surface(task_.disparity->at(nx, ny), d)) return side;
     }
     return {};
   }
@@ -219,39 +222,40 @@ class LayerFetch {
   std::vector<std::vector<SeamPixel>> seams_of_row_;
 };
 
-void compare_with_witnesses(const OpenPhotographs& open, const std::vector<LayerFetch>& layers, int index,
-                            const Job& job, BrightnessDifferences& differences) {
+void compare_with_neighbours(const OpenPhotographs& open, const std::vector<LayerBlend>& layers, int index,
+                             const Job& job, BrightnessDifferences& differences) {
   differences.clear();
   parallel_for(job, differences.rows(), [&](int row) {
-    std::array<std::vector<Colour>, kWitnesses> samples;
+    std::array<std::vector<Colour>, kNeighbourViews> samples;
     for (int column = 0; column < differences.columns(); ++column) {
-      for (auto& of_witness : samples) of_witness.clear();
-      for (const LayerFetch& layer : layers) layer.compare(open, differences, index, column, row, samples);
-      for (int witness = 0; witness < kWitnesses; ++witness)
-        differences.set(column, row, witness, samples[static_cast<size_t>(witness)]);
+      for (auto& of_neighbour : samples) of_neighbour.clear();
+      for (const LayerBlend& layer : layers) layer.compare(open, differences, index, column, row, samples);
+      for (int neighbour = 0; neighbour < kNeighbourViews; ++neighbour)
+        differences.set(column, row, neighbour, samples[static_cast<size_t>(neighbour)]);
     }
   });
 }
 
 // Reads one photograph after another; what its own pixels show is taken when those beside it are there.
-void read_photographs(const PanoramaGrid& grid, const Photographs& photographs, std::vector<LayerFetch>& layers,
+void read_photographs(const PanoramaGrid& grid, const Photographs& photographs, std::vector<LayerBlend>& layers,
                       const Job& job) {
   const int cameras = static_cast<int>(photographs.cameras.size());
   const int strips = (grid.height + kRowsAtOnce - 1) / kRowsAtOnce;
   OpenPhotographs open(grid, photographs);
   BrightnessDifferences differences(grid);
-  for (int next = 0; next <= cameras + kBeside; ++next) {  // is read while colours are taken from what was read before
-    job.report("colour", static_cast<double>(next) / (cameras + kBeside + 1));
-    const int index = next - kBeside - 1;
-    open.close(index - kBeside - 1);
-    if (index >= 0) compare_with_witnesses(open, layers, index, job, differences);
+  for (int next = 0; next <= cameras + kViewsAside;
+       ++next) {  // is read while colours are taken from what was read before
+    job.report("colour", static_cast<double>(next) / (cameras + kViewsAside + 1));
+    const int index = next - kViewsAside - 1;
+    open.close(index - kViewsAside - 1);
+    if (index >= 0) compare_with_neighbours(open, layers, index, job, differences);
     parallel_for(job, index >= 0 ? 1 + strips : 1, [&](int task) {
       if (task == 0) {
         if (next < cameras) open.load(next);
         return;
       }
       for (int y = (task - 1) * kRowsAtOnce; y < std::min(grid.height, task * kRowsAtOnce); ++y)
-        for (LayerFetch& layer : layers) layer.fetch_row(open, differences, index, y);
+        for (LayerBlend& layer : layers) layer.blend_row(open, differences, index, y);
     });
   }
 }
@@ -263,16 +267,16 @@ namespace ldp {
 
 using namespace colour;
 
-void fetch_colours(const PanoramaGrid& grid, const Photographs& photographs, const std::vector<ColourTask>& tasks,
+void blend_colours(const PanoramaGrid& grid, const Photographs& photographs, const std::vector<ColourTask>& tasks,
                    const ColourOptions& options, const Job& job) {
-  std::vector<LayerFetch> layers;
+  std::vector<LayerBlend> layers;
   for (const ColourTask& task : tasks) layers.emplace_back(grid, task);
   read_photographs(grid, photographs, layers, job);
-  if (!options.even_seams) return;
+  if (!options.level_seams) return;
   const auto seams = [&](const std::function<void(const SeamSample&)>& visit) {
-    for (const LayerFetch& layer : layers) layer.for_each_seam(visit);
+    for (const LayerBlend& layer : layers) layer.for_each_seam(visit);
   };
-  even_seams(grid, tasks, seams, options, job);
+  level_seams(grid, tasks, seams, options, job);
 }
 
 }  // namespace ldp

@@ -8,9 +8,10 @@ namespace ldp::layers {
 namespace {
 
 // The parts of a layer that hang together by sides, one after the other.
-class Parts {
+class Components {
  public:
-  Parts(const DisparityMap& layer, bool wraps) : layer_(layer), wraps_(wraps), visited_(layer.width, layer.height, 0) {}
+  Components(const DisparityMap& layer, bool wraps)
+      : layer_(layer), wraps_(wraps), visited_(layer.width, layer.height, 0) {}
 
   // Of the pixel, which no part so far holds. Valid until the next.
   const std::vector<size_t>& part(size_t seed) {
@@ -49,15 +50,15 @@ namespace ldp {
 
 using namespace layers;
 
-void drop_specks(int least, bool wraps, DisparityMap& layer) {
-  Parts parts(layer, wraps);
-  std::vector<size_t> specks;
+void drop_small_components(int least, bool wraps, DisparityMap& layer) {
+  Components components(layer, wraps);
+  std::vector<size_t> small;
   for (size_t i = 0; i < layer.samples.size(); ++i) {
-    if (!parts.waits(i)) continue;
-    const std::vector<size_t>& part = parts.part(i);
-    if (part.size() < static_cast<size_t>(least)) specks.insert(specks.end(), part.begin(), part.end());
+    if (!components.waits(i)) continue;
+    const std::vector<size_t>& part = components.part(i);
+    if (part.size() < static_cast<size_t>(least)) small.insert(small.end(), part.begin(), part.end());
   }
-  for (const size_t i : specks) layer.samples[i] = kNoDisparity;
+  for (const size_t i : small) layer.samples[i] = kNoDisparity;
 }
 
 }  // namespace ldp

@@ -9,10 +9,10 @@
 
 namespace ldp::solve {
 
-struct SlotsTaken {
+struct SlotMap {
   Plane<uint8_t> slots, positions;  // positions: empty if the source has none
 
-  explicit SlotsTaken(const GridSource& source)
+  explicit SlotMap(const GridSource& source)
       : slots(source.width(), source.height()), positions(source.has_positions() ? slots : Plane<uint8_t>()) {}
 
   // Pixel p of the terms is (x, y) here.

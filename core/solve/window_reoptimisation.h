@@ -10,18 +10,18 @@
 #include "core/base/scratch_pool.h"
 #include "core/solve/moves/framed_window.h"
 #include "core/solve/moves/label_grid.h"
-#include "core/solve/moves/labelling.h"
+#include "core/solve/moves/slot_map.h"
 #include "core/solve/moves/smoothness.h"
 #include "core/solve/tiling.h"
 #include "core/solve/window_scratch.h"
 
 namespace ldp::solve {
 
-class Settling {
+class WindowReoptimisation {
  public:
-  // `before`: the slots before regions moved; `taken`: those since. `all`: windows that no region touched, too.
-  Settling(const GridSource& source, const Smoothness& smoothness, const WindowCuts& cuts, const Effort& effort,
-           bool all, Plane<uint8_t> before, SlotsTaken& taken);
+  // `before`: the slots before regions moved; `slot_map`: those since. `all`: windows that no region touched, too.
+  WindowReoptimisation(const GridSource& source, const Smoothness& smoothness, const WindowTiling& tiling,
+                       const Effort& effort, bool all, Plane<uint8_t> before, SlotMap& slot_map);
 
   // Gives by how much the energy rose since `before`.
   Energy run(const Job& job);
@@ -35,18 +35,18 @@ class Settling {
 
   size_t class_of(size_t interval) const;
   bool touched(const Cell& cell) const;
-  bool unsettled(const Window& outer, const LabelGrid& grid) const;
-  Energy settle(const Cell& cell, const Job& job);
+  bool worth_reoptimising(const Window& outer, const LabelGrid& grid) const;
+  Energy reoptimise(const Cell& cell, const Job& job);
   Energy solve_again(const FramedWindow& window, WindowScratch& scratch, const Job& job);
   Energy core_energy(const Cell& cell, const Window& outer, const LabelGrid& grid) const;
 
   const GridSource& source_;
   const Smoothness& smoothness_;
-  const WindowCuts& cuts_;
+  const WindowTiling& tiling_;
   const Effort effort_;
   const bool all_;
   const Plane<uint8_t> before_, moved_;  // slots before and after regions moved
-  SlotsTaken& taken_;
+  SlotMap& slot_map_;
   ScratchPool<WindowScratch> pool_;
 };
 
