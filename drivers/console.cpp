@@ -1,5 +1,6 @@
 // Status as lines of text on standard error: a terminal's, or journald's.
 #include <cstdio>
+#include <sstream>
 #include <string>
 
 #include "drivers/backends.h"
@@ -42,6 +43,11 @@ class ConsoleStatus final : public StatusChannel {
 
   void say(const Result& result) {
     std::fprintf(stderr, "%s: %s\n", result.ok ? result.file.c_str() : result.capture.c_str(), result.text.c_str());
+    if (result.verdict != Judgement::none) {
+      std::fprintf(stderr, "%s: new views of about %.0f dB\n", name_of(result.verdict), result.expected_view_psnr_db);
+    }
+    std::istringstream reasons(result.reasons);
+    for (std::string reason; std::getline(reasons, reason);) std::fprintf(stderr, "  %s\n", reason.c_str());
     last_stage_.clear();
   }
 

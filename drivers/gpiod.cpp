@@ -15,6 +15,7 @@
 #include "drivers/interface/clocks.h"
 #include "drivers/interface/errors.h"
 #include "drivers/interface/ticker.h"
+#include "drivers/led_pattern.h"
 
 namespace ldp {
 namespace {
@@ -296,34 +297,35 @@ class GpioLed final : public StatusChannel {
   }
 
   void publish(const StatusMessage& message) override {
+    if (const auto* const result = std::get_if<Result>(&message)) judgement_ = result->verdict;
     const auto* const status = std::get_if<Status>(&message);
     if (status == nullptr) return;
-    if (status->phase == phase_) return line_.set(on_);  // only use tells that a line has gone away
-    phase_ = status->phase;
+    const uint16_t pattern = led_pattern(status->phase, judgement_);
+    if (pattern == pattern_) return line_.set(is_lit(pattern_, step_));  // only use tells that a line has gone away
+    pattern_ = pattern;
+    step_ = 0;
     ticker_.stop();
-    on_ = phase_ == Phase::capturing || phase_ == Phase::building || phase_ == Phase::failed;
-    line_.set(on_);
-    if (phase_ == Phase::building) blink(500'000'000);
-    if (phase_ == Phase::failed) blink(125'000'000);
+    line_.set(is_lit(pattern_, step_));
+    const bool changes = pattern_ != 0 && pattern_ != 0xFFFF;
+    if (changes) ticker_.start_at(monotonic_now_ns() + kLedStep_ns, kLedStep_ns);
   }
 
   int fd() const override { return ticker_.fd(); }
 
   std::optional<Command> read() override {
-    if (ticker_.take_expirations() % 2 == 1) {
-      on_ = !on_;
-      line_.set(on_);
-    }
+    const auto passed = static_cast<int64_t>(ticker_.take_expirations());
+    const bool was_lit = is_lit(pattern_, step_);
+    step_ = (step_ + passed) % kLedSteps;
+    if (is_lit(pattern_, step_) != was_lit) line_.set(!was_lit);
     return std::nullopt;
   }
 
  private:
-  void blink(int64_t half_period_ns) { ticker_.start_at(monotonic_now_ns() + half_period_ns, half_period_ns); }
-
   GpioLine line_;
   Ticker ticker_;
-  Phase phase_ = Phase::idle;
-  bool on_ = false;
+  Judgement judgement_ = Judgement::none;
+  uint16_t pattern_ = 0;
+  int64_t step_ = 0;
 };
 
 }  // namespace

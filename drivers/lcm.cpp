@@ -21,7 +21,11 @@
 namespace ldp {
 namespace {
 
+template <typename Wire>
 constexpr int32_t kVersion = 1;
+template <>
+constexpr int32_t kVersion<ldp_lcm::result_t> = 2;  // 1 had no verdict
+
 constexpr size_t kMaxTextBytes = 1000;
 // A NUL would end the text in LCM's encoding but not in its length.
 std::string wire_text(const std::string& text) { return text.substr(0, std::min(text.find('\0'), kMaxTextBytes)); }
@@ -29,7 +33,7 @@ std::string wire_text(const std::string& text) { return text.substr(0, std::min(
 template <typename Wire>
 Wire stamped() {
   Wire wire{};
-  wire.version = kVersion;
+  wire.version = kVersion<Wire>;
   wire.utc_ns = utc_now_ns();
   wire.monotonic_ns = monotonic_now_ns();
   return wire;
@@ -71,6 +75,9 @@ ldp_lcm::result_t wire_from(const Result& result) {
   wire.file = wire_text(result.file);
   wire.text = wire_text(result.text);
   wire.seconds = result.seconds;
+  wire.verdict = static_cast<int8_t>(result.verdict);
+  wire.expected_view_psnr_db = result.expected_view_psnr_db;
+  wire.reasons = wire_text(result.reasons);
   return wire;
 }
 
@@ -106,8 +113,10 @@ std::optional<StatusMessage> message_from(const ldp_lcm::guidance_t& wire) {
 }
 
 std::optional<StatusMessage> message_from(const ldp_lcm::result_t& wire) {
-  if (!all_finite({wire.seconds})) return std::nullopt;
-  return Result{wire.capture, wire.file, wire.ok != 0, wire.text, wire.seconds};
+  const auto verdict = enum_from(wire.verdict, Judgement::sweep_again);
+  if (!verdict || !all_finite({wire.seconds, wire.expected_view_psnr_db})) return std::nullopt;
+  return Result{wire.capture, wire.file, wire.ok != 0, wire.text, wire.seconds, *verdict, wire.expected_view_psnr_db,
+                wire.reasons};
 }
 
 template <typename Wire>
@@ -123,7 +132,7 @@ std::optional<Wire> decode(std::span<const uint8_t> bytes) {
   const int size = static_cast<int>(bytes.size());
   Wire wire{};
   try {
-    if (wire.decode(bytes.data(), 0, size) != size || wire.version != kVersion) return std::nullopt;
+    if (wire.decode(bytes.data(), 0, size) != size || wire.version != kVersion<Wire>) return std::nullopt;
   } catch (const std::exception&) {
     return std::nullopt;
   }

@@ -312,11 +312,45 @@ def read_layer(chunks, head, layer):
                 colour=b"".join(bytes(planes["colour"].get(xy, (0, 0, 0))) for xy in order))
 
 
+REASONS = ("blurred dark little_overlap no_parallax moved_forward moved_straight poses_doubtful photos_left_out "
+           "exposure_jumps contradicted holes lens_doubtful").split()
+
+
+def read_quality(data):
+    """The figures of a qual chunk by name."""
+    count, = struct.unpack_from("<I", data)
+    at, figures = 4, {}
+    for _ in range(count):
+        length, = struct.unpack_from("<H", data, at)
+        name = data[at + 2:at + 2 + length].decode()
+        need(not figures or name > max(figures), "order of keys")
+        figures[name], = struct.unpack_from("<d", data, at + 2 + length)
+        at += 10 + length
+    need(at == len(data) and count <= 4096, "qual")
+    return figures
+
+
+def verdict_of(figures):
+    """One line, or none where the sweep was not judged."""
+    if figures.get("verdict") not in (0, 1, 2):
+        return None
+    line = ("good", "fair", "sweep_again")[int(figures["verdict"])] + " %.2f dB" % figures["expected_view_psnr_db"]
+    for i in range(100):
+        code = figures.get("reason.%02d.code" % i)
+        if code is None:
+            break
+        line += " %s %.2f..%.2f" % (REASONS[int(code)], figures["reason.%02d.from_deg" % i], figures["reason.%02d.to_deg" % i])
+    return line
+
+
 def main():
     with open(sys.argv[1], "rb") as file:
         chunks = read_chunks(file.read())
     head = read_head(chunks[b"HEAD", 65535, 65535])
     print(" ".join("%s=%s" % item for item in head.items()))
+    verdict = verdict_of(read_quality(chunks[b"qual", 65535, 65535])) if (b"qual", 65535, 65535) in chunks else None
+    if verdict:
+        print("verdict " + verdict)
     for layer in range(head["layers"]):
         planes = read_layer(chunks, head, layer)
         for name, data in planes.items():

@@ -6,22 +6,10 @@
 
 #include "core/base/plane.h"
 #include "core/consistency/consistency.h"
+#include "core/consistency/held.h"
 #include "core/geometry/geometry.h"
 
 namespace ldp::consistency {
-
-// A photograph at even exposure, and the panorama's z-depth as its camera sees it (0 = hole, infinity).
-struct Held {
-  const Camera* camera = nullptr;
-  RgbImage photo;
-  Plane<float> depth;
-};
-
-// The rendering to compare it with.
-struct Rendering {
-  RgbImage colour;
-  Plane<uint8_t> alpha;
-};
 
 constexpr int kCellPx = 32;  // statistics are gathered by cells of the photograph
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/base/job.h"
+#include "core/consistency/held.h"
 #include "core/panorama/panorama.h"
 #include "core/photos/exposure_gain.h"
 #include "core/photos/frame_source.h"
@@ -91,8 +92,9 @@ struct Evidence {
 // What to do with a photograph's map of Agreement, of half its size; may be empty.
 using AgreementSink = std::function<void(const std::string& photo, const Plane<uint8_t>& agreement)>;
 
-// Holds three photographs, their depths, and the panorama's mesh in memory.
+// Holds three photographs, their depths, and the panorama's mesh in memory. `observer` may be null.
 ConsistencyReport hold_against(const Evidence& evidence, const LayeredPanorama& panorama,
-                               const ConsistencyOptions& options, const Job& job, const AgreementSink& sink = {});
+                               const ConsistencyOptions& options, const Job& job, const AgreementSink& sink = {},
+                               consistency::Observer* observer = nullptr);
 
 }  // namespace ldp

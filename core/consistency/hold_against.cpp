@@ -81,10 +81,12 @@ void compare_sharpness(const RgbImage& photo, const RgbImage& view, const Plane<
 
 class Holding {
  public:
-  Holding(const Evidence& evidence, const LayeredPanorama& panorama, const ConsistencyOptions& options, const Job& job)
+  Holding(const Evidence& evidence, const LayeredPanorama& panorama, const ConsistencyOptions& options, const Job& job,
+          consistency::Observer* observer)
       : panorama_(panorama),
         options_(options),
         job_(job),
+        observer_(observer),
         renderings_(evidence, panorama),
         directions_(panorama.grid, options.directions) {}
 
@@ -108,10 +110,12 @@ class Holding {
   };
 
   void take(size_t index) {
-    consistency::RenderedPhoto taken = renderings_.take(index, job_);
+    consistency::RenderedPhoto taken = renderings_.take(index, job_, observer_);
     held_.push_back({index,
                      {&panorama_.cameras[index], std::move(taken.photo), std::move(taken.view.depth)},
                      {std::move(taken.view.colour), std::move(taken.view.alpha)}});
+    const Held* before = index > 0 ? &held_[held_.size() - 2].held : nullptr;
+    if (observer_ != nullptr) observer_->rendered(index, held_.back().held, held_.back().rendering, before);
   }
 
   void compare(size_t index, const AgreementSink& sink) {
@@ -155,6 +159,7 @@ class Holding {
   const LayeredPanorama& panorama_;
   const ConsistencyOptions& options_;
   const Job& job_;
+  consistency::Observer* observer_;
   consistency::RenderedPhotos renderings_;
   Directions directions_;
   std::deque<Taken> held_;
@@ -164,8 +169,9 @@ class Holding {
 }  // namespace
 
 ConsistencyReport hold_against(const Evidence& evidence, const LayeredPanorama& panorama,
-                               const ConsistencyOptions& options, const Job& job, const AgreementSink& sink) {
-  return Holding(evidence, panorama, options, job).run(sink);
+                               const ConsistencyOptions& options, const Job& job, const AgreementSink& sink,
+                               consistency::Observer* observer) {
+  return Holding(evidence, panorama, options, job, observer).run(sink);
 }
 
 }  // namespace ldp

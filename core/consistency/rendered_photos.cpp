@@ -23,13 +23,14 @@ void even_exposure(const Gain& gain, RgbImage& photo) {
 RenderedPhotos::RenderedPhotos(const Evidence& evidence, const LayeredPanorama& panorama)
     : evidence_(evidence), panorama_(panorama), groups_(group_cameras(panorama.grid, panorama.cameras, kMostShare)) {}
 
-RenderedPhoto RenderedPhotos::take(size_t camera, const Job& job) {
+RenderedPhoto RenderedPhotos::take(size_t camera, const Job& job, Observer* observer) {
   const auto group = std::find_if(groups_.begin(), groups_.end(), [&](const auto& g) { return g.begin == camera; });
   if (group != groups_.end()) {
     renderer_.reset();
     renderer_.emplace(cut_out(panorama_, group->section));
   }
   RenderedPhoto taken{evidence_.frames.load(evidence_.frame_of_camera[camera]), {}};
+  if (observer != nullptr) observer->taken(camera, taken.photo);
   even_exposure(evidence_.gains[camera], taken.photo);
   RenderOptions options;
   options.depth = true;

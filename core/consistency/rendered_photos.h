@@ -23,8 +23,8 @@ class RenderedPhotos {
   // Refers to both.
   RenderedPhotos(const Evidence& evidence, const LayeredPanorama& panorama);
 
-  // Of each camera, by rising index.
-  RenderedPhoto take(size_t camera, const Job& job);
+  // Of each camera, by rising index. `observer`, if any, is told of the photograph as it was taken.
+  RenderedPhoto take(size_t camera, const Job& job, Observer* observer = nullptr);
 
  private:
   const Evidence& evidence_;

@@ -14,9 +14,12 @@
 #include "core/layers/layers.h"
 #include "core/pipeline/debug_pictures.h"
 #include "core/pipeline/memory_budget.h"
+#include "core/pipeline/pose_evidence.h"
 #include "core/pipeline/stage_order.h"
 #include "core/rectify/rectify.h"
 #include "core/sweep/cost_volume.h"
+#include "core/verdict/judge.h"
+#include "core/verdict/rephotography.h"
 
 namespace ldp {
 namespace {
@@ -352,6 +355,10 @@ class Build {
     }
     hold_against_photographs(panorama);
     report_.poses = poses_.report;
+    add_pose_evidence(poses_, frames_.size(), report_.evidence);
+    report_.quality = judge(report_.evidence);
+    panorama.quality = figures_of(report_.quality);
+    watch_.lap("verdict");
     result.report = std::move(report_);
     result.scratch = std::move(scratch_);
     return result;
@@ -432,7 +439,9 @@ class Build {
       sink = [&](const std::string& photo, const Plane<uint8_t>& map) {
         pictures_.agreement("agreement " + photo, map);
       };
-    report_.consistency = hold_against({frames_, poses_.frame_of_camera, gains_}, panorama, {}, job_, sink);
+    Rephotography rephotography(grid_, poses_.cameras, gains_, job_, report_.evidence);
+    report_.consistency =
+        hold_against({frames_, poses_.frame_of_camera, gains_}, panorama, {}, job_, sink, &rephotography);
     watch_.lap("consistency");
   }
 

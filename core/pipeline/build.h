@@ -17,6 +17,8 @@
 #include "core/photos/frame_source.h"
 #include "core/poses/poses.h"
 #include "core/solve/solve.h"
+#include "core/verdict/evidence.h"
+#include "core/verdict/sweep_quality.h"
 
 namespace ldp {
 
@@ -53,7 +55,9 @@ struct BuildReport {
   std::vector<double> coverage;  // share of present pixels per layer
   // By photo: what its R, G, B were multiplied by to match the others.
   std::map<std::string, std::array<float, 3>> gains;
-  ConsistencyReport consistency;   // the panorama against its photos
+  ConsistencyReport consistency;  // the panorama against its photos
+  SweepEvidence evidence;
+  SweepQuality quality;            // the verdict; also in the panorama's figures
   std::vector<std::string> notes;  // one line each, e.g. "no parallax was found: one far layer"
 };
 

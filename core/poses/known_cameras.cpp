@@ -262,6 +262,7 @@ Poses triangulate(const FrameSource& frames, const std::vector<Camera>& cameras,
 
   Poses poses;
   poses.report.doubt = doubt(agreement);
+  if (!poses.report.doubt.empty()) poses.report.doubt_kind = PoseDoubt::contradicted;
   begin_reports(frames, poses.report.frames);
   const std::vector<Features> features = add_cameras(known, poses);
   Errors errors{std::vector<double>(known.size(), 0), {}};

@@ -138,12 +138,16 @@ class Doubts {
 
 }  // namespace
 
-std::string doubt(const MatchedSweep& sweep, const Reconstruction& reconstruction,
-                  const std::vector<std::string>& names, bool focal_known) {
+Doubt doubt(const MatchedSweep& sweep, const Reconstruction& reconstruction, const std::vector<std::string>& names,
+            bool focal_known) {
   const Doubts doubts(sweep, reconstruction, names);
-  for (const std::string& found : {doubts.contradicted(), doubts.unrelated(), doubts.loose(),
-                                   doubts.in_pairs(focal_known), doubts.no_lens(focal_known)}) {
-    if (!found.empty()) return found;
+  const Doubt found[] = {{PoseDoubt::contradicted, doubts.contradicted()},
+                         {PoseDoubt::unrelated, doubts.unrelated()},
+                         {PoseDoubt::loose, doubts.loose()},
+                         {PoseDoubt::in_pairs, doubts.in_pairs(focal_known)},
+                         {PoseDoubt::lens, doubts.no_lens(focal_known)}};
+  for (const Doubt& one : found) {
+    if (!one.text.empty()) return one;
   }
   return {};
 }

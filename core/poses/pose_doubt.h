@@ -9,14 +9,19 @@
 #include <string>
 #include <vector>
 
+#include "core/poses/poses.h"
 #include "core/poses/tracks/match_graph.h"
 #include "core/poses/tracks/reconstruction.h"
 
 namespace ldp::sfm {
 
-// One line that names the most suspicious photos; empty when nothing is. `names` are the sweep's frames',
-// focal_known whether someone told the focal length.
-std::string doubt(const MatchedSweep& sweep, const Reconstruction& reconstruction,
-                  const std::vector<std::string>& names, bool focal_known);
+struct Doubt {
+  PoseDoubt kind = PoseDoubt::none;
+  std::string text;  // one line that names the most suspicious photos; empty when nothing is
+};
+
+// `names` are the sweep's frames', focal_known whether someone told the focal length.
+Doubt doubt(const MatchedSweep& sweep, const Reconstruction& reconstruction, const std::vector<std::string>& names,
+            bool focal_known);
 
 }  // namespace ldp::sfm

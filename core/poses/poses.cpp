@@ -261,7 +261,9 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
   report_errors(found.bundle, selected.frame, poses.report);
   std::vector<std::string> names;
   for (const int i : selected.frame) names.push_back(frames[static_cast<size_t>(i)].name);
-  poses.report.doubt = doubt(selected.sweep, found, names, focal.has_value());
+  const Doubt doubted = doubt(selected.sweep, found, names, focal.has_value());
+  poses.report.doubt_kind = doubted.kind;
+  poses.report.doubt = doubted.text;
   job.report("poses", 1);
   return poses;
 }

@@ -6,6 +6,7 @@
 // motion, bundle adjustment. Does not fit the final arc (arc.h).
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -33,13 +34,24 @@ struct FrameReport {
   std::string reason;          // why it was dropped, empty when posed
 };
 
+// Why poses may be wrong though their points fit.
+enum class PoseDoubt : uint8_t {
+  none,
+  contradicted,  // matches disagree with them: something repeats itself or moves
+  unrelated,     // photos that should show the same have nothing in common
+  loose,         // hardly any points tie some photos together
+  in_pairs,      // hardly any point is seen in three photos
+  lens           // they are those of a lens that hardly any camera has
+};
+
 struct PosesReport {
   Motion motion = Motion::arc;
   bool closed = false;  // the sweep closes on itself
   std::vector<FrameReport> frames;
   double reprojection_px = 0;  // root mean square over all inliers
   int points = 0;
-  std::string doubt;  // why the poses may be wrong though their points fit, naming photos; empty when nothing says so
+  PoseDoubt doubt_kind = PoseDoubt::none;
+  std::string doubt;  // the same in words, naming photos; empty when nothing says so
 };
 
 struct Poses {

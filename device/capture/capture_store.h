@@ -81,6 +81,8 @@ class CaptureStore {
   std::filesystem::path panorama_of(const std::string& name) const { return output_ / (name + ".ldp"); }
   std::filesystem::path building_of(const std::string& name) const { return output_ / ".building" / (name + ".ldp"); }
 
+  std::filesystem::path report_of(const std::string& name) const { return output_ / ".building" / (name + ".json"); }
+
   void clear_building() const;
   void publish_panorama(const std::string& name) const;  // from .building to its place, for good
   void write_build_record(const std::string& name, const BuildRecord& record) const;

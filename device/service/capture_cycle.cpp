@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <iterator>
 #include <limits>
+#include <system_error>
 #include <utility>
 
 #include "device/backends/open.h"
 #include "device/capture/log.h"
+#include "device/service/builds/build_verdict.h"
 #include "device/service/events/last_frames.h"
 #include "device/service/session_tuning.h"
 #include "drivers/interface/clocks.h"
@@ -163,7 +166,9 @@ void CaptureCycle::continue_after_sweep() {
   if (frames_stored() < config_.min_frames) return fail_build(sweep_->too_few_frames(), false);
   if (run_ == Run::capture_only) {
     const std::string frames = frames_text(frames_stored());
-    announcer_.publish(Result{capture_, config_.output, true, frames, 0});
+    Result stored;
+    stored.capture = capture_, stored.file = config_.output, stored.ok = true, stored.text = frames;
+    announcer_.publish(stored);
     return handle(Event::build_done, {Why::captured, frames});
   }
   builds_.put_first(capture_);
@@ -202,8 +207,15 @@ void CaptureCycle::finish_build(const BuildEnd& end) {
   if (!outcome.ok) return tell_failure({Why::build_failed, outcome.reason});
   const double seconds = seconds_of_work();
   const std::string file = store_.panorama_of(capture_).string();
-  announcer_.publish(Result{capture_, file, true, "built in " + seconds_text(seconds), seconds});
-  handle(Event::build_done, {Why::built, file});
+  Result result;
+  result.capture = capture_, result.file = file, result.ok = true;
+  result.text = "built in " + seconds_text(seconds), result.seconds = seconds;
+  add_verdict(store_.report_of(capture_), result);
+  std::error_code ignored;  // what lies there is removed before the next build begins
+  std::filesystem::remove(store_.report_of(capture_), ignored);
+  announcer_.publish(result);
+  const Why why = result.verdict == Judgement::sweep_again ? Why::built_but_poor : Why::built;
+  handle(Event::build_done, {why, file});
 }
 
 // With `retry` the next start tries again; else only a command does.
@@ -213,7 +225,9 @@ void CaptureCycle::fail_build(const Reason& reason, bool retry) {
 }
 
 void CaptureCycle::tell_failure(const Reason& reason) {
-  announcer_.publish(Result{capture_, {}, false, text_of(reason), seconds_of_work()});
+  Result result;
+  result.capture = capture_, result.text = text_of(reason), result.seconds = seconds_of_work();
+  announcer_.publish(result);
   handle(Event::build_failed, reason);
 }
 

@@ -50,6 +50,8 @@ std::string text_of(const Reason& reason) {
       return "building an unfinished capture";
     case Why::built:
       return reason.detail + " is ready";
+    case Why::built_but_poor:
+      return reason.detail + " is ready; sweep again";
     case Why::captured:
       return reason.detail + " captured";
     case Why::ready:

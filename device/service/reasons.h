@@ -29,6 +29,7 @@ enum class Why : uint8_t {
   too_few_frames,  // detail: see `too_few_frames`
   build_failed,    // detail: what the build said
   built,           // detail: the file
+  built_but_poor,  // the same; the sweep should be taken again
   captured,        // detail: how many frames
   // nothing happens
   ready,

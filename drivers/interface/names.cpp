@@ -24,6 +24,9 @@ const char* name_of(Phase phase) {
 const char* name_of(Advice advice) {
   return word_of(std::array{"keep going", "slower", "faster", "level", "too dark", "turn back", "done"}, advice);
 }
+const char* name_of(Judgement judgement) {
+  return word_of(std::array{"not judged", "good", "fair", "sweep again"}, judgement);
+}
 const char* name_of(Command command) { return word_of(std::array{"press", "release", "cancel", "retry"}, command); }
 
 }  // namespace ldp

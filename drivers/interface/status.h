@@ -2,7 +2,8 @@
 //
 //   lcm:udpm://239.255.76.67:7667?ttl=0    lcm:memq://     channels LDP_STATUS, LDP_PROGRESS, ... (drivers/*.lcm)
 //   console:                                               one line a message on standard error
-//   led:gpiochip0/18   led:name=capture-led                on while capturing, blinking while building
+//   led:gpiochip0/18   led:name=capture-led                on while capturing, blinking while building,
+//                                                          two flashes every two seconds: sweep again
 //
 // Publishing never blocks and never throws: status is told as well as possible, and the capture goes on without.
 #pragma once
@@ -46,12 +47,19 @@ struct Guidance {
   int frames_chosen = 0;
 };
 
+// What a build says of its sweep.
+enum class Judgement : uint8_t { none, good, fair, sweep_again };
+const char* name_of(Judgement judgement);
+
 // A finished or failed build.
 struct Result {
   std::string capture, file;  // file empty when failed
   bool ok = false;
   std::string text;    // one line: figures, or the reason
   double seconds = 0;  // from the end of the sweep
+  Judgement verdict = Judgement::none;
+  double expected_view_psnr_db = 0;  // of new views; 0 when not judged
+  std::string reasons;               // for people, one a line; empty when nothing is wrong
 };
 
 enum class Command : uint8_t { press, release, cancel, retry };

@@ -23,7 +23,8 @@ TEST(Lcm, EveryKindOfMessageArrivesAsItWasSent) {
   channel->publish(Status{Phase::capturing, "sweep_000001", "turn slowly", 7, 12});
   channel->publish(Progress{"sweep_000001", "poses", 0.25});
   channel->publish(Guidance{Advice::slower, 1.5, 0.5, -3, 0.4, 9});
-  channel->publish(Result{"sweep_000001", "/x/sweep_000001.ldp", true, "built", 4.5});
+  channel->publish(Result{"sweep_000001", "/x/sweep_000001.ldp", true, "built", 4.5, Judgement::sweep_again, 14.5,
+                          "the photos are dark\nblurred"});
   const auto status = listener->read();
   ASSERT_TRUE(status);
   EXPECT_GT(status->utc_ns, 0);
@@ -31,7 +32,11 @@ TEST(Lcm, EveryKindOfMessageArrivesAsItWasSent) {
   EXPECT_EQ(std::get<Status>(status->message).sweeps_left, 12);
   EXPECT_EQ(std::get<Progress>(listener->read()->message).fraction, 0.25);
   EXPECT_EQ(std::get<Guidance>(listener->read()->message).advice, Advice::slower);
-  EXPECT_EQ(std::get<Result>(listener->read()->message).file, "/x/sweep_000001.ldp");
+  const Result result = std::get<Result>(listener->read()->message);
+  EXPECT_EQ(result.file, "/x/sweep_000001.ldp");
+  EXPECT_EQ(result.verdict, Judgement::sweep_again);
+  EXPECT_EQ(result.expected_view_psnr_db, 14.5);
+  EXPECT_EQ(result.reasons, "the photos are dark\nblurred");
   EXPECT_FALSE(listener->read());
   EXPECT_EQ(listener->ignored(), 0);
 }
@@ -55,7 +60,7 @@ TEST(Lcm, LongAndStrangeTextsTravel) {
 
 const StatusMessage kMessages[] = {Status{Phase::done, "sweep_000001", "text", 7, 12},
                                    Progress{"sweep_000001", "poses", 0.25}, Guidance{},
-                                   Result{"sweep_000001", "file", true, "built", 4.5}};
+                                   Result{"sweep_000001", "file", true, "built", 4.5, Judgement::fair, 21, "blurred"}};
 
 // Noise, and good messages with bytes changed, cut off or added.
 std::vector<uint8_t> damaged(std::mt19937& random, const std::vector<uint8_t>& good) {

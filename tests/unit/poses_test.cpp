@@ -645,7 +645,7 @@ struct KnownSweep {
     }
     return result;
   }
-  std::string doubted() const { return doubt(sweep, found, names, false); }
+  std::string doubted() const { return doubt(sweep, found, names, false).text; }
 };
 
 // What photo b - 2 shows, found in photo b: something that stands there twice.
@@ -709,7 +709,7 @@ TEST(Doubt, TellsOfStepsThatNoThirdPhotoCompares) {
   known.found.tracks = pairs;
   EXPECT_THAT(known.doubted(), HasSubstr("hardly a point is seen in three photos"));
   EXPECT_THAT(known.doubted(), HasSubstr("field of view"));
-  EXPECT_THAT(doubt(known.sweep, known.found, known.names, true), testing::Not(HasSubstr("field of view")));
+  EXPECT_THAT(doubt(known.sweep, known.found, known.names, true).text, testing::Not(HasSubstr("field of view")));
 }
 
 TEST(Doubt, TellsOfALensThatNoCameraHas) {
@@ -718,7 +718,8 @@ TEST(Doubt, TellsOfALensThatNoCameraHas) {
   known.found.bundle.lens.focal_px = 1e4;
   EXPECT_THAT(known.doubted(), HasSubstr("a camera that sees 5 degrees"));
   EXPECT_THAT(known.doubted(), HasSubstr("field of view"));
-  EXPECT_EQ(doubt(known.sweep, known.found, known.names, true), "");
+  EXPECT_EQ(doubt(known.sweep, known.found, known.names, true).text, "");
+  EXPECT_EQ(doubt(known.sweep, known.found, known.names, false).kind, PoseDoubt::lens);
 }
 
 TEST(IsIllConditioned, IsAnOpenArcOfWhichNoThirdPhotoComparesSteps) {

@@ -86,9 +86,9 @@ BuildCommand BuildQueue::command_for(const std::string& capture, bool follows) c
   command.memory_limit_bytes = uint64_t{static_cast<unsigned>(config_.memory_limit_mib)} << 20;
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   const int threads = config_.threads > 0 ? config_.threads : static_cast<int>(cores);
-  command.arguments = {"build",     store_.folder_of(capture).string(),
-                       "-o",        store_.building_of(capture).string(),
-                       "--threads", std::to_string(threads)};
+  command.arguments = {
+      "build",    store_.folder_of(capture).string(), "-o",        store_.building_of(capture).string(),
+      "--report", store_.report_of(capture).string(), "--threads", std::to_string(threads)};
   if (config_.fov_degrees > 0) {
     command.arguments.insert(command.arguments.end(), {"--fov", std::to_string(config_.fov_degrees)});
   }

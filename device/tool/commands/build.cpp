@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "core/panorama/file/ldp_file.h"
+#include "core/verdict/words.h"
 #include "device/tool/build_setup.h"
 #include "device/tool/commands.h"
 #include "device/tool/commands/build_report.h"
@@ -26,7 +27,7 @@ namespace {
 struct BuildCommand {
   BuildSetup setup;
   std::string output, report, debug;
-  bool follow = false;
+  bool follow = false, strict = false;
 };
 
 // Debug pictures stay also when the build cannot be done: that is when they are wanted most. An interrupted one leaves
@@ -66,6 +67,13 @@ void print_summary(const BuildCommand& command, const BuildResult& result, size_
   }
   for (const std::string& note : with_switches(result.report.notes))
     std::fprintf(stderr, "ldp build: %s\n", note.c_str());
+  std::printf("%s\n", text_of(result.report.quality).c_str());
+}
+
+// The file is written all the same: it may be all there is of the place.
+void refuse_poor_quality(const BuildCommand& command, const SweepQuality& quality) {
+  if (command.strict && quality.grade == Grade::sweep_again)
+    throw Impossible(command.output + ": " + text_of(quality) + " (--strict)");
 }
 
 int run(const BuildCommand& command, const Session& session) {
@@ -99,6 +107,7 @@ int run(const BuildCommand& command, const Session& session) {
     std::printf("%s\n", report.dump(1).c_str());
   else
     print_summary(command, result, file.size(), seconds);
+  refuse_poor_quality(command, result.report.quality);
   return kDone;
 }
 
@@ -115,6 +124,7 @@ void add_build(Program& program) {
                "Begin while CAPTURE is being taken: the name of each photo, once it is stored, as a line on standard "
                "input, then 'end'")
       ->excludes("--cameras");
+  app.add_flag("--strict", command->strict, "Exit with status 1 when the verdict is 'sweep again'; the file is kept");
   app.add_option("--report", command->report, "Write seconds, memory, energies and sizes to this .json file");
   app.add_option("--debug", command->debug, "Write pictures of every stage into this folder");
 }

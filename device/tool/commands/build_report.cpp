@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/panorama/file/ldp_file.h"
+#include "device/tool/json/quality_json.h"
 #include "device/tool/switches.h"
 
 namespace ldp {
@@ -125,6 +126,7 @@ Json report_json(const BuildReport& report, const LayeredPanorama& panorama) {
   json["solves"] = Json::array();
   for (const SolveEntry& solve : report.solves) json["solves"].push_back(solve_json(solve));
   json["poses"] = poses_json(report.poses);
+  json["quality"] = quality_json(report.quality);
   json["notes"] = with_switches(report.notes);
   return json;
 }

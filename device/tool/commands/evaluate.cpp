@@ -11,12 +11,14 @@
 #include "core/photos/exposure_gain.h"
 #include "core/photos/images.h"
 #include "core/pipeline/build.h"
+#include "core/verdict/words.h"
 #include "core/view/image_quality.h"
 #include "core/view/render.h"
 #include "device/tool/build_setup.h"
 #include "device/tool/commands.h"
 #include "device/tool/commands/baseline.h"
 #include "device/tool/commands/build_report.h"
+#include "device/tool/json/quality_json.h"
 #include "device/tool/output.h"
 #include "device/tool/process/progress_bar.h"
 #include "device/tool/switches.h"
@@ -175,6 +177,7 @@ void print(const std::vector<Row>& rows, const BuildReport& report, bool json) {
     Json all{{"views", Json::array()},
              {"mean", quality_json(ours)},
              {"baseline_mean", quality_json(baseline)},
+             {"expected", quality_json(report.quality)},
              {"notes", with_switches(report.notes)}};
     for (const Row& row : rows)
       all["views"].push_back(
@@ -185,6 +188,8 @@ void print(const std::vector<Row>& rows, const BuildReport& report, bool json) {
   for (const Row& row : rows) print_row(row.name, row.ours);
   print_row("mean", ours);
   print_row("nearest photo, one depth", baseline);
+  std::printf("%-24s PSNR %5.2f dB  %s\n", "expected", report.quality.expected_view_psnr_db,
+              text_of(report.quality).c_str());
   for (const std::string& note : with_switches(report.notes)) std::printf("%s\n", note.c_str());
 }
 

@@ -8,7 +8,9 @@
 
 #include "core/base/files.h"
 #include "core/panorama/file/ldp_file.h"
+#include "core/verdict/words.h"
 #include "device/tool/commands.h"
+#include "device/tool/json/quality_json.h"
 #include "device/tool/output.h"
 
 namespace ldp {
@@ -86,7 +88,7 @@ Json info_json(const LdpDescription& description) {
                     {"height", panorama.limits.height}};
   json["layers"] = layers_json(description);
   json["cameras"] = cameras_json(panorama.cameras);
-  json["quality"] = panorama.quality;
+  json["quality"] = quality_json(panorama.quality);
   json["metadata"] = panorama.metadata;
   json["thumbnail_bytes"] = description.thumbnail.size();
   json["chunks"] = Json::array();
@@ -119,6 +121,20 @@ std::string depth_text(double inverse_depth) {
   return inverse_depth > 0 ? text : "infinity";
 }
 
+void print_quality(const std::map<std::string, double>& figures) {
+  const std::optional<SweepQuality> quality = quality_from(figures);
+  if (quality) {
+    std::printf("verdict   %s\n", text_of(*quality).c_str());
+    std::printf("quality   photos rendered back %.2f dB, %.2f %% of their pixels unexplained\n",
+                quality->photos_back_psnr_db, 100 * quality->unexplained_share);
+    for (const DirectionQuality& d : quality->by_direction)
+      std::printf("quality   %4.0f to %4.0f degrees: %-11s views of %.1f dB, photos rendered back %.1f dB\n",
+                  d.from_deg, d.to_deg, name_of(d.grade), d.expected_view_psnr_db, d.photos_back_psnr_db);
+  }
+  for (const auto& [name, value] : figures)
+    if (!quality || !is_of_verdict(name)) std::printf("quality   %s %.4g\n", name.c_str(), value);
+}
+
 void print_text(const std::string& file, const LdpDescription& description) {
   const LayeredPanorama& panorama = description.panorama;
   const PanoramaGrid& grid = panorama.grid;
@@ -138,7 +154,7 @@ void print_text(const std::string& file, const LdpDescription& description) {
     std::printf("layer %zu   %.1f %% covered%s\n", i + 1, 100 * share,
                 description.layers[i].has_alpha ? ", soft edges" : "");
   }
-  for (const auto& [name, value] : panorama.quality) std::printf("quality   %s %.4g\n", name.c_str(), value);
+  print_quality(panorama.quality);
   for (const auto& [name, value] : panorama.metadata) std::printf("metadata  %s: %s\n", name.c_str(), value.c_str());
   std::printf("sizes\n");
   print_sizes(description);

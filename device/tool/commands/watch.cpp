@@ -45,8 +45,15 @@ Json json_from(const Guidance& guidance) {
           {"frames_chosen", guidance.frames_chosen}};
 }
 Json json_from(const Result& result) {
-  return {{"type", "result"},    {"ok", result.ok},     {"capture", result.capture},
-          {"file", result.file}, {"text", result.text}, {"seconds", result.seconds}};
+  return {{"type", "result"},
+          {"ok", result.ok},
+          {"capture", result.capture},
+          {"file", result.file},
+          {"text", result.text},
+          {"seconds", result.seconds},
+          {"verdict", name_of(result.verdict)},
+          {"expected_view_psnr_db", result.expected_view_psnr_db},
+          {"reasons", result.reasons}};
 }
 
 std::string line_from(const Status& status) {
@@ -65,7 +72,11 @@ std::string line_from(const Guidance& guidance) {
   return "guidance  " + std::string(name_of(guidance.advice)) + ": " + figures;
 }
 std::string line_from(const Result& result) {
-  return "result    " + std::string(result.ok ? result.file : result.capture + " failed") + ": " + result.text;
+  std::string line =
+      "result    " + std::string(result.ok ? result.file : result.capture + " failed") + ": " + result.text;
+  if (result.verdict != Judgement::none) line += "; " + std::string(name_of(result.verdict));
+  for (const char c : result.reasons) line += c == '\n' ? std::string("; ") : std::string(1, c);
+  return line;
 }
 
 void print(const HeardMessage& heard, bool as_json) {

@@ -1,0 +1,39 @@
+#include "core/pipeline/pose_evidence.h"
+
+#include "core/verdict/track_flow.h"
+
+namespace ldp {
+namespace {
+
+SweepMotion motion_from(Motion motion) {
+  if (motion == Motion::rotation) return SweepMotion::rotation;
+  return motion == Motion::straight ? SweepMotion::straight : SweepMotion::arc;
+}
+
+DoubtfulPoses doubtful(PoseDoubt kind) {
+  switch (kind) {
+    case PoseDoubt::none:
+      return DoubtfulPoses::no;
+    case PoseDoubt::contradicted:
+    case PoseDoubt::unrelated:
+      return DoubtfulPoses::contradicted;
+    case PoseDoubt::loose:
+    case PoseDoubt::in_pairs:
+      return DoubtfulPoses::loose;
+    case PoseDoubt::lens:
+      return DoubtfulPoses::lens;
+  }
+  return DoubtfulPoses::no;
+}
+
+}  // namespace
+
+void add_pose_evidence(const Poses& poses, int photos_taken, SweepEvidence& evidence) {
+  evidence.motion = motion_from(poses.report.motion);
+  evidence.doubt = doubtful(poses.report.doubt_kind);
+  evidence.photos_taken = photos_taken;
+  evidence.reprojection = poses.report.reprojection_px / poses.cameras.front().intrinsics.width;
+  measure_flow(poses.points, poses.sightings, poses.cameras, evidence);
+}
+
+}  // namespace ldp

@@ -1,0 +1,33 @@
+// Judges a sweep by the evidence that its photographs, its poses and its panorama rendered back give: the expected
+// quality of new views, whole and by direction, and what to do better.
+#pragma once
+
+#include "core/verdict/evidence.h"
+#include "core/verdict/sweep_quality.h"
+
+namespace ldp {
+
+// Beyond the first bound a reason is told and the sweep is fair, beyond the second it is to be taken again.
+struct Bounds {
+  double fair = 0, again = 0;
+};
+
+// Between what clean and spoiled sweeps of synthetic scenes and of data/photos have (decisions.md).
+struct JudgeOptions {
+  Bounds smear{0.12, 0.35};            // blur across the sweep, more than that along it
+  Bounds dark_noise{3.5, 12};          // noise that even exposure would show [levels]
+  Bounds shift{0.42, 0.65};            // from photograph to photograph, in widths
+  Bounds left_out{0.2, 0.6};           // share of the photographs
+  Bounds exposure{1.0, 4.0};           // from photograph to photograph, factors of two
+  Bounds outward{0.5, 0.7};            // share of the parallax that points away from the middle
+  Bounds mismatch{0.2, 0.6};           // photographs' shift against the poses' turns, logarithm
+  Bounds unexplained{0.06, 0.25};      // share of the pixels
+  Bounds reprojection{0.0013, 0.004};  // root mean square, in widths
+  Bounds holes{0.05, 0.2};             // share of the photographs' pixels
+  Bounds expected_db{18, 15.5};        // of new views: below
+  double least_parallax = 0.004;       // tangent of an angle, below which a camera only turned
+};
+
+SweepQuality judge(const SweepEvidence& evidence, const JudgeOptions& options = {});
+
+}  // namespace ldp

@@ -1,0 +1,59 @@
+#include "core/verdict/words.h"
+
+#include <array>
+#include <cmath>
+
+namespace ldp {
+namespace {
+
+struct Words {
+  const char* code;
+  const char* wrong;  // with %s where the place goes
+  const char* advice;
+};
+
+constexpr std::array<Words, kQualityReasons> kWords = {{
+    {"blurred", "the photos%s are blurred", "turn more slowly there"},
+    {"dark", "the photos%s are dark and noisy", "take them in more light, or turn more slowly at a longer exposure"},
+    {"little_overlap", "the photos%s show too little in common", "take more of them, three quarters overlapping"},
+    {"no_parallax", "the camera only turned and did not move", "hold it at arm's length and turn on the spot"},
+    {"moved_forward", "the camera moved forward instead of around", "stay on the spot and turn"},
+    {"moved_straight", "the camera moved along a line instead of around", "stay on the spot and turn"},
+    {"poses_doubtful", "where the camera was is doubtful", "turn slowly, past things that differ and stand still"},
+    {"photos_left_out", "many photos could not be placed beside the others", "take one sweep alone, without haste"},
+    {"exposure_jumps", "the exposure jumps between the photos%s", "lock the exposure"},
+    {"contradicted", "the photos%s contradict each other", "wait until nothing moves, and keep away from what is near"},
+    {"holes", "views%s have holes", "sweep all of it"},
+    {"lens_doubtful", "the photos do not fit the lens", "give its true field of view, or none"},
+}};
+
+const Words& words_of(QualityReason reason) { return kWords[static_cast<size_t>(reason)]; }
+
+std::string degrees(double angle) { return std::to_string(std::lround(angle)); }
+
+}  // namespace
+
+const char* name_of(Grade grade) {
+  constexpr std::array kNames = {"good", "fair", "sweep_again"};
+  return kNames[static_cast<size_t>(grade)];
+}
+
+const char* code_of(QualityReason reason) { return words_of(reason).code; }
+
+std::string text_of(const QualityFinding& finding) {
+  const Words& words = words_of(finding.reason);
+  std::string text = words.wrong;
+  if (const size_t at = text.find("%s"); at != std::string::npos)
+    text.replace(at, 2, " between " + degrees(finding.from_deg) + " and " + degrees(finding.to_deg) + " degrees");
+  return text + ": " + words.advice;
+}
+
+std::string text_of(const SweepQuality& quality) {
+  constexpr std::array kNames = {"good", "fair", "sweep again"};
+  std::string text = kNames[static_cast<size_t>(quality.grade)];
+  text += ": new views of about " + std::to_string(std::lround(quality.expected_view_psnr_db)) + " dB";
+  for (const QualityFinding& finding : quality.reasons) text += "; " + text_of(finding);
+  return text;
+}
+
+}  // namespace ldp

@@ -1,0 +1,19 @@
+// The words for the verdict: names that programs read, and sentences for people. Nothing branches on them.
+#pragma once
+
+#include <string>
+
+#include "core/verdict/sweep_quality.h"
+
+namespace ldp {
+
+const char* name_of(Grade grade);           // "good", "fair", "sweep_again"
+const char* code_of(QualityReason reason);  // "blurred", ...
+
+// What is wrong, where, and what to do: "the photos between 40 and 70 degrees are blurred: turn more slowly there".
+std::string text_of(const QualityFinding& finding);
+
+// The whole verdict in one line: "good: new views of about 27 dB", "sweep again: ... ; ...".
+std::string text_of(const SweepQuality& quality);
+
+}  // namespace ldp

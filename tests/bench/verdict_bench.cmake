@@ -1,0 +1,2 @@
+add_executable(verdict_bench verdict_bench.cpp spoiled_sweeps.cpp)
+target_link_libraries(verdict_bench PRIVATE ldp_defaults ldp_pipeline ldp_view ldp_captures ldp_sim_scene nlohmann_json::nlohmann_json)

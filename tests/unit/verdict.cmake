@@ -1,0 +1,1 @@
+ldp_test(verdict_test SOURCES verdict_test.cpp USES ldp_verdict)

@@ -1,0 +1,394 @@
+// The verdict: what photographs alone tell, the panorama seen by its cameras, reasons with their places, the figures of
+// a file.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/verdict/expectation.h"
+#include "core/verdict/judge.h"
+#include "core/verdict/photo_measures.h"
+#include "core/verdict/rephotography.h"
+#include "core/verdict/track_flow.h"
+#include "core/verdict/words.h"
+
+namespace ldp {
+namespace {
+
+using testing::HasSubstr;
+
+RgbImage checks(int width, int height, int side) {
+  RgbImage image(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const uint8_t grey = (x / side + y / side) % 2 == 0 ? 60 : 200;
+      image.at(x, y) = {grey, grey, grey};
+    }
+  return image;
+}
+
+RgbImage smeared(const RgbImage& image, int length) {
+  RgbImage result = image;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      int sum = 0;
+      for (int i = 0; i < length; ++i) sum += image.at(std::min(image.width - 1, x + i), y).r;
+      const auto grey = static_cast<uint8_t>(sum / length);
+      result.at(x, y) = {grey, grey, grey};
+    }
+  return result;
+}
+
+TEST(PhotoMeasures, ASmearIsToldOnItsAxisAlone) {
+  const RgbImage sharp = checks(160, 120, 12);
+  const PhotoMeasures before = measure(sharp), after = measure(smeared(sharp, 8));
+  EXPECT_GT(after.blur_x, before.blur_x + 0.2);
+  EXPECT_NEAR(after.blur_y, before.blur_y, 0.1);
+  EXPECT_LT(after.detail, before.detail);
+}
+
+TEST(PhotoMeasures, BrightnessIsTheMeanGrey) {
+  const RgbImage grey(64, 48, {90, 90, 90});
+  EXPECT_NEAR(measure(grey).brightness, 90, 0.5);
+  EXPECT_EQ(measure(RgbImage(8, 8)).brightness, 0) << "too small to be measured";
+}
+
+// Sums of twelve even distributions; of a deviation of 256 / `scale` levels.
+RgbImage noisy(int scale) {
+  RgbImage image(256, 192);
+  uint32_t state = 1;
+  for (Rgb& p : image.samples) {
+    int sum = 0;
+    for (int i = 0; i < 12; ++i) sum += static_cast<int>((state = state * 1664525U + 1013904223U) >> 24);
+    const auto grey = static_cast<uint8_t>((120 * scale + sum - 12 * 127) / scale);
+    p = {grey, grey, grey};
+  }
+  return image;
+}
+
+TEST(PhotoMeasures, NoiseIsMeasuredWhereItIsPlain) {
+  const double some = measure(noisy(64)).noise, twice = measure(noisy(32)).noise;
+  EXPECT_GT(some, 0.7 * 4) << "the smoothest tenth of the blocks has less than all";
+  EXPECT_LT(some, 4);
+  EXPECT_NEAR(twice / some, 2, 0.1);
+  RgbImage beside = noisy(64);
+  const RgbImage texture = checks(256, 192, 3);
+  for (int y = 0; y < beside.height; ++y)
+    for (int x = 0; x < beside.width / 2; ++x) beside.at(x, y) = texture.at(x, y);
+  EXPECT_NEAR(measure(beside).noise, some, 0.5) << "texture is no noise";
+}
+
+// A sweep without faults: fourteen photos, 12 degrees apart, 58 degrees wide, rendered back at 28 dB.
+SweepEvidence clean_sweep() {
+  SweepEvidence evidence;
+  evidence.photos_taken = 14;
+  evidence.field_deg = 58;
+  evidence.reprojection = 0.0005;
+  evidence.first_deg = -30;
+  for (int i = 0; i < 14; ++i) {
+    PhotoEvidence photo;
+    photo.heading_deg = 12 * i;
+    photo.measures = {125, 0.24, 0.23, 0.9, 13};
+    photo.shared_points = 300;
+    photo.shift = i == 0 ? 0 : 12.0 / 58;
+    photo.outward = 0.1, photo.sideward = 3, photo.parallax_squares = 0.03, photo.parallax_points = 300;
+    photo.directions.resize(15);
+    for (size_t d = 0; d < 15; ++d) {
+      if (std::abs(-30 + 15 * static_cast<double>(d) + 7.5 - 12 * i) > 29) continue;
+      DirectionEvidence& part = photo.directions[d];
+      part.pixels = part.compared = 10000;
+      part.unexplained = 50;
+      part.back = {103 * 30000, 30000};
+      part.neighbour = {130 * 7500, 7500};
+    }
+    evidence.photos.push_back(photo);
+  }
+  return evidence;
+}
+
+std::vector<QualityReason> reasons(const SweepQuality& quality) {
+  std::vector<QualityReason> all;
+  for (const QualityFinding& finding : quality.reasons) all.push_back(finding.reason);
+  return all;
+}
+
+TEST(Judge, ACleanSweepIsGoodAndHasNoReasons) {
+  const SweepQuality quality = judge(clean_sweep());
+  EXPECT_EQ(quality.grade, Grade::good);
+  EXPECT_TRUE(quality.reasons.empty());
+  EXPECT_NEAR(quality.photos_back_psnr_db, 28, 0.05);
+  EXPECT_NEAR(quality.expected_view_psnr_db, 25.5, 2);
+  EXPECT_NEAR(quality.unexplained_share, 0.005, 1e-9);
+  ASSERT_GE(quality.by_direction.size(), 12U);
+  for (const DirectionQuality& direction : quality.by_direction) {
+    EXPECT_EQ(direction.grade, Grade::good);
+    EXPECT_EQ(direction.to_deg - direction.from_deg, kDirection_deg);
+  }
+}
+
+TEST(Judge, BlurIsToldWhereItIs) {
+  SweepEvidence evidence = clean_sweep();
+  for (const size_t i : {4U, 5U}) evidence.photos[i].measures.blur_x = 0.45;
+  const SweepQuality quality = judge(evidence);
+  EXPECT_EQ(quality.grade, Grade::fair);
+  ASSERT_EQ(reasons(quality), std::vector{QualityReason::blurred});
+  EXPECT_EQ(quality.reasons[0].from_deg, 42);
+  EXPECT_EQ(quality.reasons[0].to_deg, 66);
+  EXPECT_EQ(text_of(quality.reasons[0]), "the photos between 42 and 66 degrees are blurred: turn more slowly there");
+  for (const DirectionQuality& direction : quality.by_direction) {
+    const bool there = direction.from_deg < 66 && direction.to_deg > 42;
+    EXPECT_EQ(direction.grade, there ? Grade::fair : Grade::good) << direction.from_deg;
+  }
+}
+
+TEST(Judge, EveryFaultHasItsReason) {
+  const auto of = [](auto spoil) {
+    SweepEvidence evidence = clean_sweep();
+    spoil(evidence);
+    return reasons(judge(evidence));
+  };
+  using Reasons = std::vector<QualityReason>;
+  EXPECT_EQ(of([](SweepEvidence& e) {
+              for (auto& p : e.photos) p.measures.brightness = 40, p.measures.noise = 4;
+            }),
+            Reasons{QualityReason::dark});
+  EXPECT_EQ(of([](SweepEvidence& e) { e.motion = SweepMotion::rotation; }), Reasons{QualityReason::no_parallax});
+  EXPECT_EQ(of([](SweepEvidence& e) {
+              for (auto& p : e.photos) p.parallax_squares = 1e-4;
+            }),
+            Reasons{QualityReason::no_parallax});
+  EXPECT_EQ(of([](SweepEvidence& e) {
+              for (auto& p : e.photos) p.outward = 2.5;
+            }),
+            Reasons{QualityReason::moved_forward});
+  EXPECT_EQ(of([](SweepEvidence& e) { e.motion = SweepMotion::straight; }), Reasons{QualityReason::moved_straight});
+  EXPECT_EQ(of([](SweepEvidence& e) { e.reprojection = 0.002; }), Reasons{QualityReason::lens_doubtful});
+  EXPECT_EQ(of([](SweepEvidence& e) { e.photos_taken = 22; }), Reasons{QualityReason::photos_left_out});
+  EXPECT_EQ(of([](SweepEvidence& e) { e.photos[7].gain = 3; }), Reasons{QualityReason::exposure_jumps});
+  EXPECT_EQ(of([](SweepEvidence& e) { e.doubt = DoubtfulPoses::contradicted; }),
+            Reasons{QualityReason::poses_doubtful});
+  EXPECT_EQ(of([](SweepEvidence& e) { e.doubt = DoubtfulPoses::loose; }), Reasons{QualityReason::little_overlap});
+  EXPECT_EQ(of([](SweepEvidence& e) { e.doubt = DoubtfulPoses::lens; }), Reasons{QualityReason::lens_doubtful});
+  EXPECT_EQ(of([](SweepEvidence& e) {
+              for (auto& p : e.photos)
+                for (auto& d : p.directions) d.unexplained *= 16;
+            }),
+            Reasons{QualityReason::contradicted});
+  EXPECT_EQ(of([](SweepEvidence& e) {
+              for (auto& p : e.photos)
+                for (auto& d : p.directions) d.holes = d.pixels / 10;
+            }),
+            Reasons{QualityReason::holes});
+}
+
+TEST(Judge, PosesThatTurnOtherwiseThanThePhotosShiftAreDoubtful) {
+  SweepEvidence evidence = clean_sweep();
+  for (PhotoEvidence& photo : evidence.photos) photo.heading_deg *= 0.4;
+  const SweepQuality quality = judge(evidence);
+  EXPECT_EQ(quality.grade, Grade::sweep_again);
+  EXPECT_EQ(reasons(quality).front(), QualityReason::poses_doubtful);
+}
+
+TEST(Judge, WorseEvidenceNeverRaisesTheExpectation) {
+  const double clean = expected_view_psnr(features_of(clean_sweep()));
+  const auto with = [](auto spoil) {
+    SweepEvidence evidence = clean_sweep();
+    spoil(evidence);
+    return expected_view_psnr(features_of(evidence));
+  };
+  EXPECT_LT(with([](SweepEvidence& e) {
+              for (auto& p : e.photos) p.measures.blur_x = 0.5;
+            }),
+            clean - 1);
+  EXPECT_LT(with([](SweepEvidence& e) {
+              e.motion = SweepMotion::rotation;
+              for (auto& p : e.photos) p.parallax_points = 0;
+            }),
+            clean - 3);
+  EXPECT_LT(with([](SweepEvidence& e) {
+              for (auto& p : e.photos) p.shift = 0.5, p.heading_deg *= 2.4;
+            }),
+            clean - 1);
+  EXPECT_LT(with([](SweepEvidence& e) { e.doubt = DoubtfulPoses::loose; }), clean - 1);
+  EXPECT_LT(with([](SweepEvidence& e) {
+              for (auto& p : e.photos)
+                for (auto& d : p.directions) d.back.sum *= 4;
+            }),
+            clean - 1.5);
+  EXPECT_LT(with([](SweepEvidence& e) {
+              for (auto& p : e.photos)
+                for (auto& d : p.directions) d.back.sum *= 4, d.neighbour.sum *= 4;
+            }),
+            clean - 3);
+}
+
+TEST(Judge, NoPhotosGiveNoReasons) { EXPECT_EQ(judge(SweepEvidence{}), SweepQuality{}); }
+
+TEST(SweepQuality, FiguresOfAFileGiveItBack) {
+  SweepEvidence evidence = clean_sweep();
+  evidence.photos_taken = 22;
+  evidence.photos[4].measures.blur_x = 0.6;
+  const SweepQuality quality = judge(evidence);
+  std::map<std::string, double> figures = figures_of(quality);
+  EXPECT_EQ(quality_from(figures), quality);
+  figures["psnr_leave_one_out_db"] = 24;
+  EXPECT_EQ(quality_from(figures), quality) << "other figures stand beside them";
+  for (const auto& [name, value] : figures_of(quality)) EXPECT_TRUE(is_of_verdict(name)) << name;
+  EXPECT_FALSE(is_of_verdict("psnr_leave_one_out_db"));
+}
+
+TEST(SweepQuality, FiguresThatItCannotHaveAreNone) {
+  const std::map<std::string, double> sound = figures_of(judge(clean_sweep()));
+  EXPECT_FALSE(quality_from({}));
+  for (const double wrong : {-1.0, 3.0, 0.5, std::numeric_limits<double>::quiet_NaN()}) {
+    std::map<std::string, double> figures = sound;
+    figures["verdict"] = wrong;
+    EXPECT_FALSE(quality_from(figures)) << wrong;
+  }
+  std::map<std::string, double> figures = sound;
+  figures.erase("direction.03.to_deg");
+  EXPECT_FALSE(quality_from(figures));
+}
+
+TEST(Words, EveryReasonHasACodeOfItsOwnAndSaysWhatToDo) {
+  std::vector<std::string> codes;
+  for (int i = 0; i < kQualityReasons; ++i) {
+    const QualityFinding finding{static_cast<QualityReason>(i), 10, 20};
+    codes.emplace_back(code_of(finding.reason));
+    EXPECT_THAT(text_of(finding), HasSubstr(": "));
+    EXPECT_THAT(text_of(finding), testing::Not(HasSubstr("%")));
+  }
+  std::sort(codes.begin(), codes.end());
+  EXPECT_EQ(std::unique(codes.begin(), codes.end()), codes.end());
+}
+
+Camera outward_camera(double theta) {
+  Camera camera;
+  camera.intrinsics = {80, 60, 100, 100, 40, 30};
+  const Eigen::Vector3d forward(std::cos(theta), std::sin(theta), 0), down(0, 0, -1);
+  camera.pose.world_from_camera << down.cross(forward), down, forward;
+  camera.pose.centre = 0.6 * forward;
+  return camera;
+}
+
+// What two cameras that stand side by side take of a wall of `depth`, and what a panorama shows instead.
+struct TwoPhotos {
+  std::vector<Camera> cameras{outward_camera(0), outward_camera(0)};
+  consistency::Held held[2];
+  consistency::Rendering shown[2];
+  SweepEvidence evidence;
+
+  explicit TwoPhotos(double depth) {
+    cameras[1].pose.centre += 0.1 * cameras[1].pose.world_from_camera.col(0);
+    for (int i = 0; i < 2; ++i) {
+      const Intrinsics& k = cameras[0].intrinsics;
+      RgbImage photo(k.width, k.height);
+      for (int y = 0; y < k.height; ++y)
+        for (int x = 0; x < k.width; ++x)  // 0.1 aside at a depth of 2 is 5 pixels
+          photo.at(x, y) = {static_cast<uint8_t>((x + 5 * i) / 10 % 2 * 200), 100, 50};
+      held[i] = {&cameras[static_cast<size_t>(i)], photo, Plane<float>(k.width, k.height, static_cast<float>(depth))};
+      shown[i] = {photo, Plane<uint8_t>(k.width, k.height, 255)};
+    }
+  }
+
+  // Of all directions and both photos.
+  DirectionEvidence compare() {
+    PanoramaGrid grid;
+    grid.width = 300, grid.height = 120, grid.theta_pitch = grid.v_pitch = 0.01, grid.theta_left = 1.5;
+    Job job;
+    job.threads = 2;
+    Rephotography rephotography(grid, cameras, {{1, 1, 1}, {1, 2, 1}}, job, evidence);
+    for (size_t i = 0; i < 2; ++i) {
+      rephotography.taken(i, held[i].photo);
+      rephotography.rendered(i, held[i], shown[i], i == 0 ? nullptr : &held[0]);
+    }
+    DirectionEvidence all;
+    for (const PhotoEvidence& photo : evidence.photos)
+      for (const DirectionEvidence& part : photo.directions) all.add(part);
+    return all;
+  }
+};
+
+TEST(Rephotography, WhatIsShownAsItWasTakenHasNoError) {
+  TwoPhotos two(2);
+  const DirectionEvidence all = two.compare();
+  EXPECT_EQ(all.pixels, 2 * 80 * 60);
+  EXPECT_EQ(all.compared, all.pixels);
+  EXPECT_EQ(all.holes + all.unexplained + all.back.sum, 0);
+  EXPECT_EQ(all.back.samples, 3 * all.pixels);
+  EXPECT_EQ(all.neighbour.sum, 0) << "each photo shows the wall where the other has it";
+  EXPECT_GT(all.neighbour.samples, 3 * all.pixels / 4 * 9 / 10);
+  EXPECT_NEAR(two.evidence.field_deg, 43.6, 0.1);
+  EXPECT_EQ(two.evidence.photos[1].gain, 2);
+  EXPECT_NEAR(two.evidence.photos[0].measures.brightness, 77 * 100 / 256.0 + 64.4, 2);
+}
+
+TEST(Rephotography, AWrongDepthIsToldByThePhotoBeside) {
+  TwoPhotos two(1);
+  const DirectionEvidence all = two.compare();
+  EXPECT_EQ(all.back.sum, 0);
+  EXPECT_GT(psnr_of(all.back) - psnr_of(all.neighbour), 40);
+}
+
+TEST(Rephotography, WhatIsNearerInThePhotoBesideIsNotCompared) {
+  TwoPhotos two(2);
+  for (float& z : two.held[1].depth.samples) z = 1;
+  two.compare();
+  SquaredError first;
+  for (const DirectionEvidence& part : two.evidence.photos[0].directions) first.add(part.neighbour);
+  EXPECT_EQ(first.samples, 0);
+}
+
+TEST(Rephotography, HolesAreGreyAndOtherColoursUnexplained) {
+  TwoPhotos two(2);
+  two.shown[0].alpha.at(12, 7) = 0;
+  two.held[0].depth.at(12, 7) = 0;
+  for (int y = 20; y < 25; ++y)
+    for (int x = 27; x < 32; ++x) two.shown[1].colour.at(x, y) = {0, 255, 255};
+  const DirectionEvidence all = two.compare();
+  EXPECT_EQ(all.holes, 1);
+  EXPECT_EQ(all.compared, all.pixels - 1);
+  EXPECT_EQ(all.unexplained, 9) << "all but those beside a pixel that explains them";
+  EXPECT_GT(all.back.sum, 25 * (155 * 155 + 205 * 205));
+}
+
+// Points around a camera, moved by `way` in its axes from photo to photo.
+SweepEvidence flow_of(const Eigen::Vector3d& way) {
+  std::vector<Camera> cameras;
+  for (int i = 0; i < 3; ++i) {
+    cameras.push_back(outward_camera(0));
+    cameras.back().pose.centre += i * (cameras.back().pose.world_from_camera * way);
+  }
+  std::vector<ScenePoint> points;
+  std::vector<std::vector<Eigen::Vector2d>> sightings;
+  for (int i = 0; i < 60; ++i) {
+    const double depth = 2 + i % 7;
+    const Eigen::Vector3d local((i % 10 - 4.5) / 15 * depth, (i / 10 - 2.5) / 12 * depth, depth);
+    ScenePoint point;
+    point.position = cameras[0].pose.centre + cameras[0].pose.world_from_camera * local;
+    point.cameras = {0, 1, 2};
+    sightings.emplace_back();
+    for (const Camera& camera : cameras)
+      sightings.back().push_back(project(
+          camera.intrinsics, camera.pose.world_from_camera.transpose() * (point.position - camera.pose.centre)));
+    points.push_back(point);
+  }
+  SweepEvidence evidence;
+  evidence.field_deg = 43;
+  evidence.photos.resize(3);
+  measure_flow(points, sightings, cameras, evidence);
+  return evidence;
+}
+
+TEST(TrackFlow, AStepForwardPointsOutwardAndAStepAsideDoesNot) {
+  const MotionMeasures forward = motion_of(flow_of({0, 0, 0.1})), aside = motion_of(flow_of({0.1, 0, 0}));
+  EXPECT_GT(forward.outward, 0.8);
+  EXPECT_LT(aside.outward, 0.2);
+  EXPECT_GT(aside.parallax, 0.004);
+  EXPECT_LT(motion_of(flow_of({0, 0, 0})).parallax, 1e-9);
+}
+
+}  // namespace
+}  // namespace ldp
