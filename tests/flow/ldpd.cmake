@@ -31,7 +31,7 @@ endif()
 
 # The service as it is built without drivers.
 add_executable(ldpd_without_drivers ${PROJECT_SOURCE_DIR}/device/service/ldpd.cpp)
-target_link_libraries(ldpd_without_drivers PRIVATE ldp_service ldp_no_hardware ldp_defaults)
+target_link_libraries(ldpd_without_drivers PRIVATE ldp_service ldp_backends ldp_no_hardware ldp_defaults)
 target_include_directories(ldpd_without_drivers SYSTEM PRIVATE ${CLI11_INCLUDE_DIR})
 target_compile_definitions(ldpd_without_drivers PRIVATE LDP_VERSION="${PROJECT_VERSION}")
 set_target_properties(ldpd_without_drivers PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)  # beside ldp

@@ -1,12 +1,12 @@
 ldp_test(devices_test SOURCES devices_test.cpp USES ldp_backends ldp_hardware ldp_sim_devices ldp_photos)
-ldp_test(session_state_test SOURCES session_state_test.cpp USES ldp_service ldp_hardware)
+ldp_test(session_state_test SOURCES session_state_test.cpp USES ldp_service ldp_backends ldp_hardware)
 # Many frames through the whole choice; the shorter sweeps run everywhere.
 set(long_sweeps FrameChoice.NeighboursOverlapByTheWantedShareAtAnySpeed FrameChoice.AJumpThatNothingIsKnownOfDoesNotDecideTheDirection
                   FrameChoice.GoingBackKeepsNothingTwiceAndIsTold FrameChoice.AHandThatRestsAndJumpsLosesNoPicture)
 list(JOIN long_sweeps ":" long_sweeps)
-ldp_test(frame_choice_test SOURCES frame_choice_test.cpp NATIVE_ONLY ${long_sweeps} USES ldp_service ldp_hardware ldp_photos nlohmann_json::nlohmann_json)
-ldp_test(capture_store_test SOURCES capture_store_test.cpp NATIVE_ONLY CaptureStoreTest.ABuildBeyondItsMemoryFailsAlone USES ldp_service ldp_hardware ldp_photos nlohmann_json::nlohmann_json)
-ldp_test(config_test SOURCES config_test.cpp USES ldp_service ldp_hardware)
+ldp_test(frame_choice_test SOURCES frame_choice_test.cpp NATIVE_ONLY ${long_sweeps} USES ldp_service ldp_backends ldp_hardware ldp_photos nlohmann_json::nlohmann_json)
+ldp_test(capture_store_test SOURCES capture_store_test.cpp NATIVE_ONLY CaptureStoreTest.ABuildBeyondItsMemoryFailsAlone USES ldp_service ldp_backends ldp_hardware ldp_photos nlohmann_json::nlohmann_json)
+ldp_test(config_test SOURCES config_test.cpp USES ldp_service ldp_backends ldp_hardware)
 if(LDP_DRIVERS)
   find_package(LCMLean REQUIRED)
   ldp_test(lcm_test SOURCES lcm_test.cpp NATIVE_ONLY Stranger.* USES ldp_backends ldp_hardware LCMLean::lcm)

@@ -158,7 +158,7 @@ ViewQuality mean_of(const std::vector<Row>& rows, ViewQuality Row::*which) {
   return mean;
 }
 
-Json quality_json(const ViewQuality& q) {
+Json view_quality_json(const ViewQuality& q) {
   return {{"psnr", q.psnr_db},
           {"ssim", q.ssim},
           {"psnr_covered", q.psnr_covered_db},
@@ -175,13 +175,13 @@ void print(const std::vector<Row>& rows, const BuildReport& report, bool json) {
   const ViewQuality ours = mean_of(rows, &Row::ours), baseline = mean_of(rows, &Row::baseline);
   if (json) {
     Json all{{"views", Json::array()},
-             {"mean", quality_json(ours)},
-             {"baseline_mean", quality_json(baseline)},
+             {"mean", view_quality_json(ours)},
+             {"baseline_mean", view_quality_json(baseline)},
              {"expected", quality_json(report.quality)},
              {"notes", with_switches(report.notes)}};
     for (const Row& row : rows)
       all["views"].push_back(
-          {{"name", row.name}, {"view", quality_json(row.ours)}, {"baseline", quality_json(row.baseline)}});
+          {{"name", row.name}, {"view", view_quality_json(row.ours)}, {"baseline", view_quality_json(row.baseline)}});
     std::printf("%s\n", all.dump(1).c_str());
     return;
   }
