@@ -28,7 +28,7 @@ struct BuildOptions {
   int layers = 3;   // 1 .. 8
   int labels = 16;  // 2 .. 16
   // 1 .. 4. From the second on, what the one before found hides voxels from cameras: depth and outlines a little
-  // better, for a sixth more time.
+  // better, for a fifth more time.
   int iterations = 1;
   Rays rays = Rays::pushbroom;
   int block_px = 16;                     // of the depth codes; 0 = uniform codes
