@@ -135,7 +135,7 @@ class Matrix:
         """Runs under the rule, with what is there already at `output`; then in peace. `wanted`: its bytes, or None."""
         row = Row(part, rule)
         self.rows.append(row)
-        work = self.path("work")
+        work = self.path("store")
         shutil.rmtree(work, ignore_errors=True)
         os.mkdir(work)
         if wanted is not None:
@@ -156,7 +156,7 @@ class Matrix:
                 row.hold("next", one.read() == other.read(), "other bytes than in peace")
 
     def run_build(self, rule):
-        self.once("build", rule, ["build", self.path("frames"), "-o", self.path("work", "good.ldp"), "--threads", "2"] +
+        self.once("build", rule, ["build", self.path("frames"), "-o", self.path("store", "good.ldp"), "--threads", "2"] +
                   QUICK, "good.ldp", self.path("good.ldp"))
 
     def run_read(self, rule):
@@ -166,7 +166,7 @@ class Matrix:
         wanted = self.path("wanted.html")
         if not os.path.exists(wanted):
             self.ldp(["export", self.path("good.ldp"), "-o", wanted])
-        self.once("export", rule, ["export", self.path("good.ldp"), "-o", self.path("work", "wanted.html")],
+        self.once("export", rule, ["export", self.path("good.ldp"), "-o", self.path("store", "wanted.html")],
                   "wanted.html", wanted)
 
     # --- one sweep of ldp capture
@@ -174,7 +174,7 @@ class Matrix:
     def run_capture(self, rule):
         row = Row("capture", rule)
         self.rows.append(row)
-        work = self.path("work")
+        work = self.path("store")
         shutil.rmtree(work, ignore_errors=True)
         os.mkdir(work)
         words = ["capture", "--camera", self.camera(), "--button", "script:" + self.path("script"), "--status",
@@ -198,7 +198,7 @@ class Matrix:
     def run_service(self, rule):
         row = Row("service", rule)
         self.rows.append(row)
-        work = self.path("work")
+        work = self.path("store")
         shutil.rmtree(work, ignore_errors=True)
         os.makedirs(os.path.join(work, "sweep_000001"))
         for name in os.listdir(self.path("frames")):
@@ -270,7 +270,7 @@ class Service:
                 os.remove(file)
         self.master, slave = pty.openpty()
         words = [os.path.join(matrix.bin, "ldpd"), "--config", matrix.path("ldpd.toml"), "--camera", matrix.camera(),
-                 "--button", "keyboard:", "--status", "console:", "-o", matrix.path("work")]
+                 "--button", "keyboard:", "--status", "console:", "-o", matrix.path("store")]
         with open(self.log, "w") as log:
             self.process = subprocess.Popen(words, env=matrix.environment("ldpd", rule), stdin=slave, stderr=log,
                                             stdout=subprocess.DEVNULL)
@@ -358,27 +358,27 @@ def each(call, match, numbers, actions):
 CLOCKS = ["clock - 1+ shift 86400", "clock - 1+ shift -86400", "clock - 5 shift 86400", "TZ=Pacific/Kiritimati"]
 WRITES = ["ENOSPC", "EIO", "EROFS", "EINTR", "short"]
 PLAN = {
-    "capture": rules(each("open", "/work/one", (1, 4, 8), ("EMFILE", "EIO", "EROFS", "EINTR", "ENOMEM")),
-                     each("write", "/work/one", (1, 2, 6), WRITES), each("fsync", ".tmp", (1, 5), ("EIO", "ENOSPC", "EINTR")),
+    "capture": rules(each("open", "/store/one", (1, 4, 8), ("EMFILE", "EIO", "EROFS", "EINTR", "ENOMEM")),
+                     each("write", "/store/one", (1, 2, 6), WRITES), each("fsync", ".tmp", (1, 5), ("EIO", "ENOSPC", "EINTR")),
                      each("fsync", "/one$", (1, 2, 5), ("EIO", "EINVAL")), each("rename", "/one", (1, 2, 7), ("EIO", "ENOSPC", "EROFS")),
                      each("mkdir", "/one", (1,), ("ENOSPC", "EROFS")), each("thread", "-", (1, 2), ("EAGAIN",)),
                      each("malloc", "40000", (1, 8), ("ENOMEM",)), CLOCKS),
-    "service": rules(each("open", "/work", (1, 2, 3, 5, 8, 12), ("EMFILE", "EIO", "EINTR")),
-                     each("write", "/work", (1, 2, 3, 6, 30), WRITES),
-                     each("fsync", "/work", (1, 2, 3, 4, 5, 9), ("EIO", "ENOSPC")),
-                     each("rename", "/work", (1, 2, 3, 6, 31, 32), ("EIO", "ENOSPC", "EROFS")),
-                     each("mkdir", "/work", (1, 2), ("ENOSPC", "EROFS")), each("fork", "-", (1, 2), ("EAGAIN", "ENOMEM")),
+    "service": rules(each("open", "/store", (1, 2, 3, 5, 8, 12), ("EMFILE", "EIO", "EINTR")),
+                     each("write", "/store", (1, 2, 3, 6, 30), WRITES),
+                     each("fsync", "/store", (1, 2, 3, 4, 5, 9), ("EIO", "ENOSPC")),
+                     each("rename", "/store", (1, 2, 3, 6, 31, 32), ("EIO", "ENOSPC", "EROFS")),
+                     each("mkdir", "/store", (1, 2), ("ENOSPC", "EROFS")), each("fork", "-", (1, 2), ("EAGAIN", "ENOMEM")),
                      each("thread", "-", (1,), ("EAGAIN",)), each("malloc", "40000", (1, 10), ("ENOMEM",)), CLOCKS),
     "build": rules(each("open", "/frames/", (1, 9), ("EMFILE", "EIO", "EACCES", "EINTR")),
-                   each("open", "/work/", (1, 2), ("EMFILE", "EROFS", "ENOMEM", "EINTR")), each("write", "/work/", (1,), WRITES),
-                   each("fsync", ".tmp", (1,), ("EIO", "ENOSPC", "EINTR")), each("fsync", "/work$", (1,), ("EIO", "EINVAL")),
-                   each("rename", "/work/", (1,), ("EIO", "ENOSPC", "EROFS")), each("thread", "-", (1, "2+", "3+"), ("EAGAIN",)),
+                   each("open", "/store/", (1, 2), ("EMFILE", "EROFS", "ENOMEM", "EINTR")), each("write", "/store/", (1,), WRITES),
+                   each("fsync", ".tmp", (1,), ("EIO", "ENOSPC", "EINTR")), each("fsync", "/store$", (1,), ("EIO", "EINVAL")),
+                   each("rename", "/store/", (1,), ("EIO", "ENOSPC", "EROFS")), each("thread", "-", (1, "2+", "3+"), ("EAGAIN",)),
                    each("malloc", "100000", (1, 5, 20, 60), ("ENOMEM",)), CLOCKS),
     "read": rules(each("open", "good.ldp", (1,), ("EMFILE", "EIO", "EACCES", "EINTR", "ENOMEM")), each("malloc", "50000", (1,), ("ENOMEM",))),
     "export": rules(each("open", "good.ldp", (1,), ("EMFILE", "EIO", "EINTR")),
-                    each("open", "/work/", (1, 2), ("EMFILE", "EROFS", "ENOMEM", "EINTR")), each("write", "/work/", (1,), WRITES),
-                    each("fsync", ".tmp", (1,), ("EIO", "ENOSPC", "EINTR")), each("fsync", "/work$", (1,), ("EIO", "EINVAL")),
-                    each("rename", "/work/", (1,), ("EIO", "ENOSPC", "EROFS")), each("thread", "-", (1, "2+"), ("EAGAIN",)),
+                    each("open", "/store/", (1, 2), ("EMFILE", "EROFS", "ENOMEM", "EINTR")), each("write", "/store/", (1,), WRITES),
+                    each("fsync", ".tmp", (1,), ("EIO", "ENOSPC", "EINTR")), each("fsync", "/store$", (1,), ("EIO", "EINVAL")),
+                    each("rename", "/store/", (1,), ("EIO", "ENOSPC", "EROFS")), each("thread", "-", (1, "2+"), ("EAGAIN",)),
                     each("malloc", "100000", (1, 3), ("ENOMEM",)), CLOCKS),
 }
 
