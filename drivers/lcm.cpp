@@ -1,8 +1,8 @@
 // Status messages over LCM (UDP multicast, memq, log files), both ends of them.
 //
 // Messages are decoded here and not by LCM's own typed subscriptions: those print on stderr and say nothing to us about
-// what is malformed. The generated decoders are safe on any bytes as long as exceptions are caught: a string length
-// under one makes std::string::assign throw, longer than the datagram is refused.
+// what is malformed. The generated decoders refuse a string length that is longer than the datagram, and one under 1
+// because drivers/CMakeLists.txt adds that to them.
 #include <cmath>
 #include <deque>
 #include <lcm/lcm-cpp.hpp>

@@ -1,4 +1,4 @@
-# Photos and the files beside them. Each has a small corpus.
+# What the device and the tool are given by others, besides .ldp files. Each has a small corpus.
 #   build/fuzz/tests/fuzz/fuzz_image NEW tests/fuzz/corpus/image
 function(ldp_fuzz target)
   add_executable(fuzz_${target} fuzz_${target}.cpp)
@@ -8,3 +8,9 @@ ldp_fuzz(image ldp_photos)
 ldp_fuzz(exif ldp_photos)
 ldp_fuzz(transforms ldp_captures)
 ldp_fuzz(capture_notes ldp_captures)
+if(LDP_DRIVERS)
+  ldp_fuzz(config ldp_service ldp_backends ldp_hardware)
+  ldp_fuzz(url ldp_backends ldp_hardware)
+  ldp_fuzz(script ldp_backends ldp_hardware)
+  ldp_fuzz(messages ldp_drivers)
+endif()

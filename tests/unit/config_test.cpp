@@ -151,6 +151,8 @@ TEST(Config, TextThatIsNotTomlIsNamedWithItsLine) {
   const CheckedConfig checked = parse_config("camera = \"folder:x\"\noverlap = = 3\n");
   ASSERT_EQ(checked.mistakes.size(), 1U);
   EXPECT_EQ(checked.mistakes[0].line, 2);
+  for (const char* text : {"[=]", "[[.]]", "[", "[\x01]", "schl\u00fcssel = 1", "= \u0435"})
+    EXPECT_EQ(parse_config(text).mistakes.size(), 1U) << text;
 }
 
 TEST(Config, AMissingFileIsAMistakeAndSoIsAFolder) {

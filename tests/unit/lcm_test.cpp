@@ -110,12 +110,13 @@ TEST(Lcm, EveryTruncationIsRefused) {
   }
 }
 
-TEST(Lcm, AStringOfNegativeLengthIsRefused) {
+TEST(Lcm, AStringWhoseLengthIsUnderOneIsRefused) {
   std::vector<uint8_t> bytes = encode_message(kMessages[1]);
-  for (size_t i = 28; i < 32; ++i) bytes[i] = 0xFF;  // after hash, version and two clocks: the length of `capture`
-  EXPECT_FALSE(decode_message("LDP_PROGRESS", bytes));
-  for (size_t i = 28; i < 32; ++i) bytes[i] = 0;
-  EXPECT_FALSE(decode_message("LDP_PROGRESS", bytes));
+  // After hash, version and two clocks: the length of `capture`. The least int less one would be the greatest.
+  for (const uint32_t length : {0x80000000U, 0x80000001U, 0xFFFFFFFFU, 0U}) {
+    for (size_t i = 0; i < 4; ++i) bytes[28 + i] = static_cast<uint8_t>(length >> (24 - 8 * i));
+    EXPECT_FALSE(decode_message("LDP_PROGRESS", bytes)) << length;
+  }
 }
 
 // Datagrams that a stranger sends over the network of this machine. Each burst is waited for until it is counted whole:
