@@ -76,13 +76,12 @@ View Renderer::render(const Camera& camera, const RenderOptions& options, const 
   View view{RgbImage(k.width, k.height), Plane<uint8_t>(k.width, k.height), {}, 0};
   Plane<float> inverse_z;
   if (options.depth || options.fill != Fill::none) inverse_z = Plane<float>(k.width, k.height);
-  const render::ViewFrustum frustum(prepared_->grid, camera);
+  const render::ViewFrustum frustum(prepared_->grid, prepared_->mesh.first_row, prepared_->mesh.rows, camera);
   const render::Window window = frustum.window(0, k.width);
-  const auto all = prepared_->mesh.layers;
-  const int drawn = options.layers < all - 1 ? options.layers : all;  // the underlay lies behind the last layer
+  const bool all = options.layers >= prepared_->mesh.layers;
   std::vector<const render::MeshTile*> tiles;
   for (const render::MeshTile& tile : prepared_->mesh.tiles)
-    if (tile.layer < drawn && frustum.sees(tile, window)) tiles.push_back(&tile);
+    if ((all || tile.layer < options.layers) && frustum.sees(tile, window)) tiles.push_back(&tile);
   const int strips = (k.width + kStripPx - 1) / kStripPx;
   parallel_for(job, strips, [&](int i) {
     auto strip = prepared_->strips.take();

@@ -201,6 +201,40 @@ TEST_P(RenderOfBothRays, closes_the_full_circle_without_a_seam) {
     EXPECT_NEAR(view.colour.at(x, 45).r, view.colour.at(x - 1, 45).r, 8) << "seam at column " << x;
 }
 
+// A post before a far wall, both cut off where the photo on the arc that shows them ends.
+LayeredPanorama post_cut_by_frames(const std::vector<Camera>& photos) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, true);
+  const auto post = [](double theta, double) { return std::abs(theta) < 0.1; };
+  LayeredPanorama panorama = one_layer(
+      grid, [&](double theta, double v) { return std::abs(v) > 0.45 ? -1
+                                                 : post(theta, v)   ? 2
+                                                                    : 0.01; },
+      [&](double theta, double v) {
+        return post(theta, v) ? white(theta, v) : Rgb{40, 40, 40};
+      });
+  panorama.cameras = photos;
+  panorama.limits = {0.2, 0.6, 0};
+  return panorama;
+}
+
+TEST(Render, continues_near_surfaces_where_no_photo_could_show_their_end) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, true);
+  const Camera on_arc = make_camera(grid, 0, {0.6, 0, 0});
+  const View view = Renderer(post_cut_by_frames({on_arc})).render(make_camera(grid, 0, {0.3, 0, 0}), with_depth());
+  for (int y = 0; y < view.colour.height; ++y) {
+    EXPECT_EQ(view.colour.at(60, y), (Rgb{255, 255, 255})) << y;
+    EXPECT_NEAR(view.depth.at(60, y), 0.8, 0.02) << y;
+  }
+}
+
+TEST(Render, ends_near_surfaces_where_a_photo_would_have_shown_more) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, true);
+  const Camera on_arc = make_camera(grid, 0, {0.6, 0, 0}), up = make_camera(grid, 0, {0.6, 0, 0}, -0.4);
+  const View view = Renderer(post_cut_by_frames({on_arc, up})).render(make_camera(grid, 0, {0.3, 0, 0}), with_depth());
+  EXPECT_NE(view.colour.at(60, 2), (Rgb{255, 255, 255}));                       // a photo looked there
+  EXPECT_EQ(view.colour.at(60, view.colour.height - 2), (Rgb{255, 255, 255}));  // none did
+}
+
 TEST(Render, shows_the_background_beside_an_edge_and_nothing_stretched_between) {
   const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
   const LayeredPanorama panorama = square_before_background(grid);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/geometry/same_surface.h"
+#include "core/view/mesh/frame_extension.h"
 #include "core/view/mesh/prepared_layer.h"
 #include "core/view/mesh/torn_quads.h"
 #include "core/view/mesh/underlay.h"
@@ -124,9 +125,11 @@ class Builder {
  public:
   explicit Builder(const PanoramaGrid& grid);
   void add(const Layer& layer);  // front to back
-  Mesh build();
+  Mesh build(const LayeredPanorama& panorama);
 
  private:
+  void add_made_up(const LayeredPanorama& panorama);
+  void add_tiles(int layer, Mesh& mesh) const;
   MeshTile build_tile(int layer, int x0, int y0) const;
   void build_quad(MeshTile& tile, std::vector<TornQuad>& torn, int x, int y) const;
   void copy_vertices(MeshTile& tile) const;
@@ -158,7 +161,8 @@ void Builder::add(const Layer& layer) {
 
 Corner Builder::corner(int layer, int x, int y) const {
   const PreparedLayer& from = layers_[static_cast<size_t>(layer)];
-  const size_t i = from.step.index(x, y);
+  if (!from.step.contains(x, y - from.top)) return {};
+  const size_t i = from.step.index(x, y - from.top);
   return {from.w.samples[i], depths_.w(from.code.samples[i]), depths_.step(from.step.samples[i]),
           from.colour.samples[i]};
 }
@@ -236,10 +240,11 @@ void Builder::copy_vertices(MeshTile& tile) const {
   const PreparedLayer& from = layers_[static_cast<size_t>(tile.layer)];
   tile.w.assign(kTileVertices * kTileVertices, kAbsent);
   tile.colour.assign(kTileVertices * kTileVertices, 0);
-  for (int y = 0; y < std::min(kTileVertices, from.w.height - tile.y0); ++y)
+  const int y0 = tile.y0 - from.top;
+  for (int y = 0; y < std::min(kTileVertices, from.w.height - y0); ++y)
     for (int x = 0; x < std::min(kTileVertices, from.w.width - tile.x0); ++x) {
-      tile.w[MeshTile::index(x, y)] = from.w.at(tile.x0 + x, tile.y0 + y);
-      tile.colour[MeshTile::index(x, y)] = from.colour.at(tile.x0 + x, tile.y0 + y);
+      tile.w[MeshTile::index(x, y)] = from.w.at(tile.x0 + x, y0 + y);
+      tile.colour[MeshTile::index(x, y)] = from.colour.at(tile.x0 + x, y0 + y);
     }
 }
 
@@ -269,7 +274,8 @@ MeshTile Builder::build_tile(int layer, int x0, int y0) const {
   tile.x0 = x0;
   tile.y0 = y0;
   const int x1 = std::min(x0 + kTilePx, grid_.wraps ? grid_.width : grid_.width - 1);
-  const int y1 = std::min(y0 + kTilePx, grid_.height - 1);
+  const PreparedLayer& from = layers_[static_cast<size_t>(layer)];
+  const int y1 = std::min(y0 + kTilePx, from.top + from.w.height - 1);
   std::vector<TornQuad> torn;
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) build_quad(tile, torn, x, y);
@@ -280,16 +286,34 @@ MeshTile Builder::build_tile(int layer, int x0, int y0) const {
   return tile;
 }
 
-Mesh Builder::build() {
-  if (!layers_.empty()) layers_.push_back(make_underlay(layers_, depths_, grid_.wraps, parallax_));
+void Builder::add_made_up(const LayeredPanorama& panorama) {
+  PreparedLayer underlay = make_underlay(layers_, depths_, grid_.wraps, parallax_);
+  std::vector<PreparedLayer> beyond = extend_beyond_frames(layers_.front(), depths_, panorama, parallax_);
+  layers_.push_back(std::move(underlay));
+  for (PreparedLayer& layer : beyond) layers_.push_back(std::move(layer));
+}
+
+void Builder::add_tiles(int layer, Mesh& mesh) const {
+  const PreparedLayer& from = layers_[static_cast<size_t>(layer)];
+  for (int y0 = from.top; y0 + 1 < from.top + from.w.height; y0 += kTilePx)
+    for (int x0 = 0; x0 < (grid_.wraps ? grid_.width : grid_.width - 1); x0 += kTilePx) {
+      MeshTile tile = build_tile(layer, x0, y0);
+      tile.y0 -= mesh.first_row;
+      if (!tile.w.empty() || !tile.torn.empty()) mesh.tiles.push_back(std::move(tile));
+    }
+}
+
+Mesh Builder::build(const LayeredPanorama& panorama) {
   Mesh mesh;
   mesh.layers = static_cast<int>(layers_.size());
-  for (int layer = 0; layer < static_cast<int>(layers_.size()); ++layer)
-    for (int y0 = 0; y0 + 1 < grid_.height; y0 += kTilePx)
-      for (int x0 = 0; x0 < (grid_.wraps ? grid_.width : grid_.width - 1); x0 += kTilePx) {
-        MeshTile tile = build_tile(layer, x0, y0);
-        if (!tile.w.empty() || !tile.torn.empty()) mesh.tiles.push_back(std::move(tile));
-      }
+  if (!layers_.empty()) add_made_up(panorama);
+  int end = grid_.height;
+  for (const PreparedLayer& layer : layers_) {
+    mesh.first_row = std::min(mesh.first_row, layer.top);
+    end = std::max(end, layer.top + layer.w.height);
+  }
+  mesh.rows = end - mesh.first_row;
+  for (int layer = 0; layer < static_cast<int>(layers_.size()); ++layer) add_tiles(layer, mesh);
   return mesh;
 }
 
@@ -310,13 +334,13 @@ bool connected(float a, float a_step, float b, float b_step, float parallax) {
 Mesh build_mesh(const LayeredPanorama& panorama) {
   Builder builder(panorama.grid);
   for (const Layer& layer : panorama.layers) builder.add(layer);
-  return builder.build();
+  return builder.build(panorama);
 }
 
 Mesh build_mesh(LayeredPanorama&& panorama) {
   Builder builder(panorama.grid);
   for (Layer& layer : panorama.layers) builder.add(std::exchange(layer, {}));
-  return builder.build();
+  return builder.build(panorama);
 }
 
 }  // namespace ldp::render

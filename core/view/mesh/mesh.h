@@ -66,7 +66,8 @@ struct MeshTile {
 };
 
 struct Mesh {
-  int layers = 0;               // the panorama's, then the underlay (underlay.h)
+  int layers = 0;               // the panorama's; from there on the underlay and what lies beyond the photos' frames
+  int first_row = 0, rows = 0;  // of the panorama, that vertices stand in; a tile's y0 counts from first_row
   std::vector<MeshTile> tiles;  // layer by layer, only those with a quad
 };
 

@@ -22,7 +22,7 @@ float largest_r2(const Intrinsics& k) {
 
 }  // namespace
 
-ViewFrustum::ViewFrustum(const PanoramaGrid& grid, const Camera& camera)
+ViewFrustum::ViewFrustum(const PanoramaGrid& grid, int first_row, int rows, const Camera& camera)
     : intrinsics_(camera.intrinsics), last_column_(grid.width) {
   // The arc's axes and centre as the camera sees them.
   const auto in_camera = [&](const Eigen::Vector3d& in_world) {
@@ -45,7 +45,7 @@ ViewFrustum::ViewFrustum(const PanoramaGrid& grid, const Camera& camera)
     bx_[x] = static_cast<float>(b.x()), by_[x] = static_cast<float>(b.y()), bz_[x] = static_cast<float>(b.z());
     b_length_[x] = static_cast<float>(b.norm());
   }
-  for (int y = 0; y < grid.height; ++y) v_.push_back(static_cast<float>(grid.v(y + 0.5)));
+  for (int y = first_row; y < first_row + rows; ++y) v_.push_back(static_cast<float>(grid.v(y + 0.5)));
   const Intrinsics& k = intrinsics_;
   const auto number = [](double value) { return static_cast<float>(value); };
   lens_ = {number(k.fx), number(k.fy), number(k.cx), number(k.cy),  number(k.k1),

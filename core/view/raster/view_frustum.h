@@ -30,7 +30,8 @@ struct CellBounds {
 
 class ViewFrustum {
  public:
-  ViewFrustum(const PanoramaGrid& grid, const Camera& camera);
+  // Vertices stand in rows first_row .. first_row + rows - 1 of the panorama.
+  ViewFrustum(const PanoramaGrid& grid, int first_row, int rows, const Camera& camera);
 
   Window window(int column_begin, int column_end) const;
   bool sees(const MeshTile& tile, const Window& window) const;
