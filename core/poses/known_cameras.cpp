@@ -181,7 +181,7 @@ void begin_reports(const FrameSource& frames, std::vector<FrameReport>& reports)
   reports.resize(static_cast<size_t>(frames.size()));
   for (int i = 0; i < frames.size(); ++i) {
     reports[static_cast<size_t>(i)].name = frames.name(i);
-    reports[static_cast<size_t>(i)].reason = "no camera was given for it";
+    reports[static_cast<size_t>(i)].left_out.cause = LeftOutCause::no_camera;
   }
 }
 
@@ -191,7 +191,7 @@ std::vector<Features> add_cameras(std::vector<KnownFrame>& known, Poses& poses) 
   for (KnownFrame& k : known) {
     FrameReport& report = poses.report.frames[static_cast<size_t>(k.frame)];
     report.posed = true;
-    report.reason.clear();
+    report.left_out = {};
     report.features = k.features.size();
     poses.cameras.push_back(k.camera);
     poses.frame_of_camera.push_back(k.frame);

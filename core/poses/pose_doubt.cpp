@@ -101,7 +101,7 @@ class Doubts {
   }
 
  private:
-  bool posed(int frame) const { return r_.dropped[static_cast<size_t>(frame)].empty(); }
+  bool posed(int frame) const { return !r_.left_out[static_cast<size_t>(frame)]; }
   const Pose& camera(int frame) const { return r_.bundle.cameras[static_cast<size_t>(frame)]; }
   std::string both(int a, int b) const {
     return names_[static_cast<size_t>(a)] + " and " + names_[static_cast<size_t>(b)];

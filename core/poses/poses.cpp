@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <map>
 
@@ -113,36 +114,32 @@ bool repeats(const Frame& before, const Frame& frame) {
   return frame.features.size() > 0 && frame.picture.grey.samples == before.picture.grey.samples;
 }
 
-// By frame, why it can be no part of the sweep; empty where it can.
-std::vector<std::string> unfit_frames(const std::vector<Frame>& frames) {
+// By frame, why it can be no part of the sweep; none where it can.
+std::vector<LeftOut> unfit_frames(const std::vector<Frame>& frames) {
   const std::pair<int, int> size = common_size(frames);
-  std::vector<std::string> reasons(frames.size());
+  std::vector<LeftOut> unfit(frames.size());
   for (size_t i = 0; i < frames.size(); ++i) {
     const Features& f = frames[i].features;
     if (std::pair(f.width, f.height) != size) {
-      reasons[i] = "it has " + std::to_string(f.width) + "x" + std::to_string(f.height) + " pixels, the other photos " +
-                   std::to_string(size.first) + "x" + std::to_string(size.second);
+      unfit[i].cause = LeftOutCause::other_size;
+      unfit[i].size = {f.width, f.height};
+      unfit[i].common_size = {size.first, size.second};
     } else if (i > 0 && repeats(frames[i - 1], frames[i])) {
-      reasons[i] = "it is the same picture as " + frames[i - 1].name;
+      unfit[i].cause = LeftOutCause::repeated;
+      unfit[i].original = frames[i - 1].name;
     }
   }
-  return reasons;
+  return unfit;
 }
 
-// The first that is unfit and why; empty = none is.
-std::string first_unfit(const std::vector<Frame>& frames, const std::vector<std::string>& unfit) {
-  for (size_t i = 0; i < unfit.size(); ++i) {
-    if (!unfit[i].empty()) return frames[i].name + ": " + unfit[i];
-  }
-  return {};
-}
-
-void require_three_fit(const std::vector<Frame>& frames, const std::vector<std::string>& unfit) {
-  const auto fit = std::count(unfit.begin(), unfit.end(), std::string());
+void require_three_fit(const std::vector<Frame>& frames, const std::vector<LeftOut>& unfit) {
+  const auto is_unfit = [](const LeftOut& why) { return static_cast<bool>(why); };
+  const auto first = std::find_if(unfit.begin(), unfit.end(), is_unfit);
+  const auto fit = std::count_if(unfit.begin(), unfit.end(), std::not_fn(is_unfit));
   if (fit >= 3) return;
   throw Impossible("only " + std::to_string(fit) + " of " + std::to_string(frames.size()) +
                    " photos can be used; at least 3 are needed, all of one size and none the same as the one before; " +
-                   first_unfit(frames, unfit));
+                   frames[static_cast<size_t>(first - unfit.begin())].name + ": " + words_of(*first));
 }
 
 // Frames fit for it as a sweep, and which frame each of the sweep is.
@@ -152,18 +149,22 @@ struct SelectedSweep {
 };
 
 SelectedSweep select_sweep(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs,
-                           const std::vector<std::string>& unfit) {
+                           const std::vector<LeftOut>& unfit) {
   SelectedSweep selected;
   std::vector<int> place(frames.size(), -1);
   for (size_t i = 0; i < frames.size(); ++i) {
-    if (!unfit[i].empty()) continue;
+    if (unfit[i]) {
+      if (++selected.sweep.unfit == 1) {
+        selected.sweep.first_unfit_name = frames[i].name;
+        selected.sweep.first_unfit = unfit[i];
+      }
+      continue;
+    }
     place[i] = selected.sweep.frames();
     selected.sweep.pictures.push_back(frames[i].picture);
     selected.sweep.features.push_back(frames[i].features);
     selected.frame.push_back(static_cast<int>(i));
   }
-  selected.sweep.left_out = static_cast<int>(frames.size() - selected.frame.size());
-  selected.sweep.first_left_out = first_unfit(frames, unfit);
   for (const PairMatches& pair : pairs) {
     const int a = place[static_cast<size_t>(pair.a)], b = place[static_cast<size_t>(pair.b)];
     if (a >= 0 && b >= 0 && !pair.matches.empty()) selected.sweep.pairs.push_back({a, b, pair.matches});
@@ -172,13 +173,13 @@ SelectedSweep select_sweep(const std::vector<Frame>& frames, const std::vector<P
 }
 
 std::vector<FrameReport> first_reports(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs,
-                                       const std::vector<std::string>& unfit) {
+                                       const std::vector<LeftOut>& unfit) {
   std::vector<FrameReport> reports;
   for (size_t i = 0; i < frames.size(); ++i) {
     FrameReport report;
     report.name = frames[i].name;
     report.features = frames[i].features.size();
-    report.reason = unfit[i];
+    report.left_out = unfit[i];
     reports.push_back(report);
   }
   for (const PairMatches& pair : pairs) {
@@ -211,7 +212,7 @@ Poses to_world(const Reconstruction& found, const SelectedSweep& selected, const
   Poses poses;
   std::vector<int> camera(bundle.cameras.size(), -1);
   for (size_t i = 0; i < bundle.cameras.size(); ++i) {
-    if (!found.dropped[i].empty()) continue;
+    if (found.left_out[i]) continue;
     camera[i] = static_cast<int>(posed.size());
     posed.push_back(bundle.cameras[i]);
     poses.frame_of_camera.push_back(selected.frame[i]);
@@ -243,7 +244,7 @@ Poses to_world(const Reconstruction& found, const SelectedSweep& selected, const
 
 Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs, const PosesOptions& options,
             const Job& job) {
-  const std::vector<std::string> unfit = unfit_frames(frames);
+  const std::vector<LeftOut> unfit = unfit_frames(frames);
   require_three_fit(frames, unfit);
   SelectedSweep selected = select_sweep(frames, pairs, unfit);
   const std::optional<FocalPrior> focal = focal_prior(frames, options);
@@ -255,8 +256,8 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
   poses.report.frames = first_reports(frames, pairs, unfit);
   for (size_t i = 0; i < selected.frame.size(); ++i) {
     FrameReport& report = poses.report.frames[static_cast<size_t>(selected.frame[i])];
-    report.posed = found.dropped[i].empty();
-    report.reason = found.dropped[i];
+    report.posed = !found.left_out[i];
+    report.left_out = found.left_out[i];
   }
   report_errors(found.bundle, selected.frame, poses.report);
   std::vector<std::string> names;

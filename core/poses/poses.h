@@ -16,6 +16,7 @@
 #include "core/geometry/camera_motion.h"
 #include "core/geometry/geometry.h"
 #include "core/photos/frame_source.h"
+#include "core/photos/left_out.h"
 
 namespace ldp {
 
@@ -31,7 +32,7 @@ struct FrameReport {
   bool posed = false;
   int features = 0, matches = 0, inliers = 0;
   double reprojection_px = 0;  // root mean square over the frame's inliers
-  std::string reason;          // why it was dropped, empty when posed
+  LeftOut left_out;            // why it has no pose; none when posed
 };
 
 // Why poses may be wrong though their points fit.
@@ -89,7 +90,7 @@ class PoseEstimator {
 Poses estimate_poses(const FrameSource& frames, PoseEstimator begun, const Job& job);
 
 // The same points and report for cameras that are already known (matched to frames by name; frames without a camera
-// are reported as dropped). Cameras are left exactly as given. Throws Impossible when fewer than 3 names match,
+// are reported as left out). Cameras are left exactly as given. Throws Impossible when fewer than 3 names match,
 // std::runtime_error when the photos tell that y and z of the cameras' axes are turned round.
 Poses triangulate(const FrameSource& frames, const std::vector<Camera>& cameras, const PosesOptions& options,
                   const Job& job);

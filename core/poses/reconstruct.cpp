@@ -35,10 +35,8 @@ std::vector<int> connected_components(const MatchedSweep& sweep,
   return group;
 }
 
-const std::string kBare = "it shows next to no texture";
-
-// All but the largest group that hangs together by matches are dropped with a reason.
-std::vector<std::string> unconnected_frames(const MatchedSweep& sweep) {
+// All but the largest group that hangs together by matches are left out with a reason.
+std::vector<LeftOut> unconnected_frames(const MatchedSweep& sweep) {
   const std::vector<int> group = connected_components(sweep, [](const PairMatches&) { return true; });
   std::vector<int> partners(group.size(), 0);
   for (const PairMatches& pair : sweep.pairs) {
@@ -49,48 +47,52 @@ std::vector<std::string> unconnected_frames(const MatchedSweep& sweep) {
     const int count = static_cast<int>(std::count(group.begin(), group.end(), g));
     if (count > most) most = count, best = g;
   }
-  std::vector<std::string> dropped(group.size());
+  std::vector<LeftOut> left_out(group.size());
   for (size_t i = 0; i < group.size(); ++i) {
     if (group[i] == best) continue;
-    dropped[i] = sweep.features[i].size() < kMinFrameObservations ? kBare
-                 : partners[i] == 0                               ? "it matches no other photo"
-                                    : "it matches only photos that do not connect with the rest";
+    left_out[i].cause = sweep.features[i].size() < kMinFrameObservations ? LeftOutCause::without_texture
+                        : partners[i] == 0                               ? LeftOutCause::unmatched
+                                                                         : LeftOutCause::matched_elsewhere;
   }
-  return dropped;
+  return left_out;
 }
 
-int posed(const std::vector<std::string>& dropped) {
-  return static_cast<int>(std::count(dropped.begin(), dropped.end(), std::string()));
+int posed(const std::vector<LeftOut>& left_out) {
+  return static_cast<int>(std::count_if(left_out.begin(), left_out.end(), [](const LeftOut& why) { return !why; }));
 }
 
-void require(const MatchedSweep& sweep, const std::vector<std::string>& dropped) {
-  if (posed(dropped) >= kMinPosedFrames) return;
-  const bool bare = 2 * std::count(dropped.begin(), dropped.end(), kBare) >= sweep.frames();
-  throw Impossible("only " + std::to_string(posed(dropped)) + " of " + std::to_string(sweep.frames() + sweep.left_out) +
-                   " photos connect with each other; at least 3 are needed: " +
-                   (bare ? "most show next to no texture: take them in more light, of something with detail"
-                         : "take them with more overlap (three quarters), sharp and free of noise") +
-                   (sweep.left_out > 0 ? "; left out was " + sweep.first_left_out : ""));
+void require(const MatchedSweep& sweep, const std::vector<LeftOut>& left_out) {
+  if (posed(left_out) >= kMinPosedFrames) return;
+  const auto bare = std::count_if(left_out.begin(), left_out.end(),
+                                  [](const LeftOut& why) { return why.cause == LeftOutCause::without_texture; });
+  throw Impossible(
+      "only " + std::to_string(posed(left_out)) + " of " + std::to_string(sweep.frames() + sweep.unfit) +
+      " photos connect with each other; at least 3 are needed: " +
+      (2 * bare >= sweep.frames() ? "most show next to no texture: take them in more light, of something with detail"
+                                  : "take them with more overlap (three quarters), sharp and free of noise") +
+      (sweep.unfit > 0 ? "; left out was " + sweep.first_unfit_name + ": " + words_of(sweep.first_unfit) : ""));
 }
 
-// Tracks without the observations of dropped frames.
-std::vector<Track> without_dropped(const std::vector<Track>& tracks, const std::vector<std::string>& dropped) {
+// Tracks without the observations of frames left out.
+std::vector<Track> without_left_out(const std::vector<Track>& tracks, const std::vector<LeftOut>& left_out) {
   std::vector<Track> result;
   for (Track track : tracks) {
-    std::erase_if(track, [&](const Observation& o) { return !dropped[static_cast<size_t>(o.frame)].empty(); });
+    std::erase_if(track,
+                  [&](const Observation& o) { return static_cast<bool>(left_out[static_cast<size_t>(o.frame)]); });
     if (track.size() >= 2) result.push_back(std::move(track));
   }
   return result;
 }
 
-// Frames that hardly anything holds are dropped, with what they see.
+// Frames that hardly anything holds are left out, with what they see.
 void drop_poorly_observed(Reconstruction& r) {
   const std::vector<int> held = observations_by_frame(r);
   for (size_t i = 0; i < held.size(); ++i) {
-    if (!r.dropped[i].empty() || held[i] >= kMinFrameObservations) continue;
-    r.dropped[i] = "only " + std::to_string(held[i]) + " of its points agree with the other photos";
+    if (r.left_out[i] || held[i] >= kMinFrameObservations) continue;
+    r.left_out[i].cause = LeftOutCause::few_inliers;
+    r.left_out[i].inliers = held[i];
   }
-  r.tracks = without_dropped(r.tracks, r.dropped);
+  r.tracks = without_left_out(r.tracks, r.left_out);
 }
 
 // Whether the sweep fell apart: photos hang together by matches, but no longer by those that agree with the cameras; or
@@ -98,7 +100,7 @@ void drop_poorly_observed(Reconstruction& r) {
 bool is_disconnected(const MatchedSweep& sweep, const Reconstruction& r) {
   double all = 0, against = 0;
   const std::vector<int> group = connected_components(sweep, [&](const PairMatches& pair) {
-    const auto posed = [&](int frame) { return r.dropped[static_cast<size_t>(frame)].empty(); };
+    const auto posed = [&](int frame) { return !r.left_out[static_cast<size_t>(frame)]; };
     if (!posed(pair.a) || !posed(pair.b)) return false;
     const double matches = static_cast<double>(pair.matches.size());
     const bool holds =
@@ -110,7 +112,7 @@ bool is_disconnected(const MatchedSweep& sweep, const Reconstruction& r) {
   if (against > kMaxOutlierPairShare * all) return true;
   int first = -1;
   for (size_t i = 0; i < group.size(); ++i) {
-    if (!r.dropped[i].empty()) continue;
+    if (r.left_out[i]) continue;
     if (first < 0) first = group[i];
     if (group[i] != first) return true;
   }
@@ -168,9 +170,9 @@ void SweepReconstruction::initialise() {
   const std::vector<RotationHypothesis> hypotheses =
       rotation_hypotheses(sweep_, focal_, TwoViewMotion::spherical, job_);
   sweep_.pairs = reject_inconsistent_matches(std::move(sweep_.pairs), hypotheses);
-  result_.dropped = unconnected_frames(sweep_);
-  require(sweep_, result_.dropped);
-  tracks_ = without_dropped(build_tracks(sweep_.features, sweep_.pairs), result_.dropped);
+  result_.left_out = unconnected_frames(sweep_);
+  require(sweep_, result_.left_out);
+  tracks_ = without_left_out(build_tracks(sweep_.features, sweep_.pairs), result_.left_out);
   result_.bundle = initialise_pure_rotation(
       sweep_, tracks_, rotation_hypotheses(sweep_, focal_, TwoViewMotion::rotation, job_), focal_, job_);
   job_.report("adjusting", 0.7);
@@ -180,7 +182,7 @@ void SweepReconstruction::initialise() {
     start_on_sphere(hypotheses);
   }
   if (is_rotation()) refinement_.set_model(MotionModel::rotation);
-  tracks_ = without_dropped(tracks_, result_.dropped);
+  tracks_ = without_left_out(tracks_, result_.left_out);
 }
 
 void SweepReconstruction::start_on_sphere(const std::vector<RotationHypothesis>& hypotheses) {
@@ -246,12 +248,11 @@ Reconstruction SweepReconstruction::registered_incrementally(IncrementalResult s
   Reconstruction general = result_;
   general.bundle = std::move(start.bundle);
   for (size_t i = 0; i < start.posed.size(); ++i) {
-    if (!start.posed[i] && general.dropped[i].empty())
-      general.dropped[i] = "it shares too few points with the other photos";
+    if (!start.posed[i] && !general.left_out[i]) general.left_out[i].cause = LeftOutCause::few_shared_points;
   }
-  is_arc = normalise_to_sphere(general.dropped, general.bundle);
-  general.tracks = triangulate_inliers(without_dropped(tracks_, general.dropped), sweep_.pixels(kMatchTolerances_px[2]),
-                                       false, general.bundle, job_);
+  is_arc = normalise_to_sphere(general.left_out, general.bundle);
+  general.tracks = triangulate_inliers(without_left_out(tracks_, general.left_out),
+                                       sweep_.pixels(kMatchTolerances_px[2]), false, general.bundle, job_);
   return general;
 }
 
@@ -266,10 +267,10 @@ void SweepReconstruction::refine_on_matches() {
 }
 
 void SweepReconstruction::match_again_if_poor() {
-  const size_t rich = kRichObservationsPerFrame * static_cast<size_t>(posed(result_.dropped));
+  const size_t rich = kRichObservationsPerFrame * static_cast<size_t>(posed(result_.left_out));
   if (is_rotation() || observations(tracks_) >= rich) return;
-  const std::vector<PairMatches> pairs = match_guided(sweep_, result_.bundle, result_.dropped, job_);
-  tracks_ = without_dropped(build_tracks(sweep_.features, pairs), result_.dropped);
+  const std::vector<PairMatches> pairs = match_guided(sweep_, result_.bundle, result_.left_out, job_);
+  tracks_ = without_left_out(build_tracks(sweep_.features, pairs), result_.left_out);
   refinement_.iterate(longest(), kMatchTolerances_px[1], kArcSigma, result_);
 }
 
@@ -285,7 +286,7 @@ void SweepReconstruction::refine_on_klt_tracks() {
   job_.report("adjusting", 0.9);
   klt_iteration(kKltTolerances_px[1], inliers(result_));
   drop_poorly_observed(result_);
-  require(sweep_, result_.dropped);
+  require(sweep_, result_.left_out);
   refinement_.triangulate(result_.tracks, kKltTolerances_px[1], result_);
   if (!is_rotation()) classify_motion(sweep_, result_);
 }
@@ -295,7 +296,7 @@ void SweepReconstruction::refine_on_klt_tracks() {
 std::vector<Track> SweepReconstruction::klt_tracks() const {
   const Reconstruction& r = result_;
   std::vector<Track> tracks = track_points(sweep_.pictures, r.tracks, r.bundle, KltOptions{}, job_);
-  std::vector<int> observed(r.dropped.size(), 0);
+  std::vector<int> observed(r.left_out.size(), 0);
   for (const Track& track : tracks) {
     for (const Observation& o : track) observed[static_cast<size_t>(o.frame)] += track.size() > 1 ? 1 : 0;
   }

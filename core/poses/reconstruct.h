@@ -1,8 +1,8 @@
 // Structure from motion of a sweep, from verified matches to cameras: outlier rejection among pairs and rotation
 // averaging (rotation_averaging.h), initialisation (initialisation.h), alternation of triangulation and bundle
 // adjustment with free cameras (iterative_refinement.h), tracks by KLT (klt_tracking.h), and what kind of motion it
-// was. Here frames that match no others, or that too few points hold, are dropped with a reason
-// (Reconstruction::dropped). Works in radii: the cameras' circle has radius about 1 and its centre at the origin.
+// was. Here frames that match no others, or that too few points hold, are left out with a reason
+// (Reconstruction::left_out). Works in radii: the cameras' circle has radius about 1 and its centre at the origin.
 #pragma once
 
 #include <optional>

@@ -154,7 +154,8 @@ const char* word(Motion motion) {
 void print_frames(const PosesReport& report) {
   for (const FrameReport& f : report.frames) {
     std::printf("    %-16s %-7s features %5d matches %5d inliers %5d  %.3f px  %s\n", f.name.c_str(),
-                f.posed ? "posed" : "DROPPED", f.features, f.matches, f.inliers, f.reprojection_px, f.reason.c_str());
+                f.posed ? "posed" : "DROPPED", f.features, f.matches, f.inliers, f.reprojection_px,
+                words_of(f.left_out).c_str());
   }
 }
 

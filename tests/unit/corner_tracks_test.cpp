@@ -79,7 +79,7 @@ struct KnownCameras {
     path.width = 400, path.height = 300;
     const Scene scene(make_scene("courtyard", 1));
     const std::vector<Camera> cameras = sweep_cameras(path);
-    known.dropped.resize(cameras.size());
+    known.left_out.resize(cameras.size());
     known.bundle.lens.focal_px = cameras[0].intrinsics.fx;
     for (const Camera& camera : cameras) {
       Picture picture = take_picture(scene, camera, PictureOptions{}, Job{});

@@ -20,7 +20,7 @@ bool is_ill_conditioned(const Reconstruction& r) {
   const std::vector<int> between = tracks_through_frame(r);
   std::vector<size_t> posed;
   for (size_t i = 0; i < between.size(); ++i) {
-    if (r.dropped[i].empty()) posed.push_back(i);
+    if (!r.left_out[i]) posed.push_back(i);
   }
   double swept = 0, open = 0;  // radians; squares of shares
   for (size_t i = 1; i < posed.size(); ++i) {

@@ -19,7 +19,7 @@ bool is_klt_tolerance(double tolerance) {
 }  // namespace
 
 std::vector<int> observations_by_frame(const Reconstruction& r) {
-  std::vector<int> observed(r.dropped.size(), 0);
+  std::vector<int> observed(r.left_out.size(), 0);
   for (const BundleObservation& o : r.bundle.observations) ++observed[static_cast<size_t>(o.camera)];
   return observed;
 }

@@ -12,7 +12,7 @@ Pairs pairs_of(const MatchedSweep& sweep, const Reconstruction& r, int frame) {
   Pairs pairs;
   for (const PairMatches& pair : sweep.pairs) {
     const int other = pair.a == frame ? pair.b : pair.b == frame ? pair.a : -1;
-    if (other >= 0 && r.dropped[static_cast<size_t>(other)].empty()) pairs.push_back(&pair);
+    if (other >= 0 && !r.left_out[static_cast<size_t>(other)]) pairs.push_back(&pair);
   }
   return pairs;
 }
@@ -56,10 +56,10 @@ bool resect(const MatchedSweep& sweep, Reconstruction& r, int frame) {
 }  // namespace
 
 bool resect_lost_frames(const MatchedSweep& sweep, Reconstruction& r) {
-  std::vector<double> of_matches(r.dropped.size(), 0), agree = of_matches;
+  std::vector<double> of_matches(r.left_out.size(), 0), agree = of_matches;
   for (const PairMatches& pair : sweep.pairs) {
     const size_t a = static_cast<size_t>(pair.a), b = static_cast<size_t>(pair.b);
-    if (!r.dropped[a].empty() || !r.dropped[b].empty()) continue;
+    if (r.left_out[a] || r.left_out[b]) continue;
     const double count = static_cast<double>(pair.matches.size());
     const double agreeing = count * inlier_ratio(sweep, r.bundle, pair, sweep.pixels(kResectionTolerance_px));
     for (const size_t frame : {a, b}) of_matches[frame] += count, agree[frame] += agreeing;

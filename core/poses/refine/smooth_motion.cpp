@@ -34,7 +34,7 @@ bool smoother_is_better(const MatchedSweep& sweep, const std::vector<Track>& tra
   const std::vector<Track> inliers = inlier_tracks(sweep, tracks, smooth, job),
                            inliers_of_other = inlier_tracks(sweep, tracks, other, job);
   const double gain =
-      1 - motion_roughness(smooth.dropped, smooth.bundle) / motion_roughness(other.dropped, other.bundle);
+      1 - motion_roughness(smooth.left_out, smooth.bundle) / motion_roughness(other.left_out, other.bundle);
   const double least = (1 - kSmoothnessTradeOff * gain) * static_cast<double>(observations(inliers_of_other));
   return static_cast<double>(observations(inliers)) >= least &&
          !breaks_connectivity(tracks_across_steps(inliers, sweep.frames()),

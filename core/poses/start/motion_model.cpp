@@ -11,10 +11,10 @@
 namespace ldp::sfm {
 namespace {
 
-std::vector<Pose> posed_cameras(const std::vector<std::string>& dropped, const Bundle& bundle) {
+std::vector<Pose> posed_cameras(const std::vector<LeftOut>& left_out, const Bundle& bundle) {
   std::vector<Pose> cameras;
-  for (size_t i = 0; i < dropped.size(); ++i) {
-    if (dropped[i].empty()) cameras.push_back(bundle.cameras[i]);
+  for (size_t i = 0; i < left_out.size(); ++i) {
+    if (!left_out[i]) cameras.push_back(bundle.cameras[i]);
   }
   return cameras;
 }
@@ -82,7 +82,7 @@ Seam widest_gap(std::vector<double> azimuths) {
 
 // Closed: all round, and points are seen from both sides of the widest gap.
 bool closes(const MatchedSweep& sweep, const Reconstruction& r) {
-  const std::vector<Pose> cameras = posed_cameras(r.dropped, r.bundle);
+  const std::vector<Pose> cameras = posed_cameras(r.left_out, r.bundle);
   const Eigen::Vector3d up = mean_up(cameras), e1 = up.unitOrthogonal(), e2 = up.cross(e1);
   std::vector<double> azimuths;
   for (const Pose& pose : cameras) azimuths.push_back(azimuth(pose, e1, e2));
@@ -118,15 +118,15 @@ bool is_pure_rotation(const MatchedSweep& sweep, const std::vector<Track>& track
   return true;
 }
 
-bool normalise_to_sphere(const std::vector<std::string>& dropped, Bundle& bundle) {
-  const Circle circle = fit_circle(posed_cameras(dropped, bundle));
+bool normalise_to_sphere(const std::vector<LeftOut>& left_out, Bundle& bundle) {
+  const Circle circle = fit_circle(posed_cameras(left_out, bundle));
   if (!circle.bends) return false;
   for (Pose& pose : bundle.cameras) pose.centre = (pose.centre - circle.centre) / circle.radius;
   return true;
 }
 
-double motion_roughness(const std::vector<std::string>& dropped, const Bundle& bundle) {
-  const std::vector<Pose> cameras = posed_cameras(dropped, bundle);
+double motion_roughness(const std::vector<LeftOut>& left_out, const Bundle& bundle) {
+  const std::vector<Pose> cameras = posed_cameras(left_out, bundle);
   if (cameras.size() < 2) return 0;
   std::vector<Eigen::Vector3d> steps;  // less those of the sphere, in the camera's axes
   for (size_t i = 1; i < cameras.size(); ++i) {
@@ -149,7 +149,7 @@ double motion_roughness(const std::vector<std::string>& dropped, const Bundle& b
 
 void classify_motion(const MatchedSweep& sweep, Reconstruction& reconstruction) {
   reconstruction.motion =
-      fit_circle(posed_cameras(reconstruction.dropped, reconstruction.bundle)).bends ? Motion::arc : Motion::straight;
+      fit_circle(posed_cameras(reconstruction.left_out, reconstruction.bundle)).bends ? Motion::arc : Motion::straight;
   reconstruction.closed = closes(sweep, reconstruction);
 }
 

@@ -2,7 +2,10 @@
 // closes.
 #pragma once
 
+#include <vector>
+
 #include "core/base/job.h"
+#include "core/photos/left_out.h"
 #include "core/poses/adjust/bundle_adjustment.h"
 #include "core/poses/tracks/match_graph.h"
 #include "core/poses/tracks/reconstruction.h"
@@ -15,11 +18,11 @@ bool is_pure_rotation(const MatchedSweep& sweep, const std::vector<Track>& track
 
 // Puts cameras that go round an arc where the sphere of spherical_motion.h has them: the circle's centre at the origin,
 // its radius 1. False, and nothing changed, when they do not go round one.
-bool normalise_to_sphere(const std::vector<std::string>& dropped, Bundle& bundle);
+bool normalise_to_sphere(const std::vector<LeftOut>& left_out, Bundle& bundle);
 
 // Mean distance of the cameras' steps from those that their turns would make on the sphere, in radii, apart from what
 // all steps share.
-double motion_roughness(const std::vector<std::string>& dropped, const Bundle& bundle);
+double motion_roughness(const std::vector<LeftOut>& left_out, const Bundle& bundle);
 
 // Arc or straight, and closed.
 void classify_motion(const MatchedSweep& sweep, Reconstruction& reconstruction);

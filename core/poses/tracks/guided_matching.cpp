@@ -135,20 +135,20 @@ void merge_matches(const std::vector<Match>& known, std::vector<Match>& matches)
 }  // namespace
 
 std::vector<PairMatches> match_guided(const MatchedSweep& sweep, const Bundle& bundle,
-                                      const std::vector<std::string>& dropped, const Job& job) {
+                                      const std::vector<LeftOut>& left_out, const Job& job) {
   const GuidedMatcher matcher(sweep, bundle);
   std::vector<PairMatches> pairs = sweep.pairs;
   std::map<std::pair<int, int>, size_t> place;
   for (size_t i = 0; i < pairs.size(); ++i) place[{pairs[i].a, pairs[i].b}] = i;
   for (int b = 1; b < sweep.frames(); ++b) {
     for (int a = 0; a < b; ++a) {
-      if (!dropped[static_cast<size_t>(a)].empty() || !dropped[static_cast<size_t>(b)].empty()) continue;
+      if (left_out[static_cast<size_t>(a)] || left_out[static_cast<size_t>(b)]) continue;
       if (matcher.overlap(a, b) && place.try_emplace({a, b}, pairs.size()).second) pairs.push_back({a, b, {}});
     }
   }
   parallel_for(job, static_cast<int>(pairs.size()), [&](int i) {
     PairMatches& pair = pairs[static_cast<size_t>(i)];
-    if (!dropped[static_cast<size_t>(pair.a)].empty() || !dropped[static_cast<size_t>(pair.b)].empty()) return;
+    if (left_out[static_cast<size_t>(pair.a)] || left_out[static_cast<size_t>(pair.b)]) return;
     std::vector<Match> matches = matcher.match(pair.a, pair.b);
     merge_matches(pair.matches, matches);
     pair.matches = std::move(matches);

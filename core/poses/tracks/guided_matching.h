@@ -3,17 +3,17 @@
 // test keeps more matches than among all features. For sweeps that show little, or are blurred.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "core/base/job.h"
+#include "core/photos/left_out.h"
 #include "core/poses/tracks/bundle.h"
 #include "core/poses/tracks/match_graph.h"
 
 namespace ldp::sfm {
 
-// The sweep's pairs with what is found along epipolar lines added. Frames with a reason in `dropped` stay as they are.
+// The sweep's pairs with what is found along epipolar lines added. Frames with a reason in `left_out` stay as they are.
 std::vector<PairMatches> match_guided(const MatchedSweep& sweep, const Bundle& bundle,
-                                      const std::vector<std::string>& dropped, const Job& job);
+                                      const std::vector<LeftOut>& left_out, const Job& job);
 
 }  // namespace ldp::sfm

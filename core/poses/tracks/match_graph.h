@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/photos/left_out.h"
 #include "core/poses/tracks/bundle.h"
 #include "core/poses/tracks/track_tuning.h"
 #include "core/poses/tracks/tracks.h"
@@ -15,8 +16,9 @@ struct MatchedSweep {
   std::vector<GreyPhoto> pictures;  // all of one size
   std::vector<Features> features;
   std::vector<PairMatches> pairs;  // verified
-  int left_out = 0;                // photos that can be no part of the sweep
-  std::string first_left_out;      // its name and why; empty = none
+  int unfit = 0;                   // photos that can be no part of it
+  std::string first_unfit_name;    // of the first of them
+  LeftOut first_unfit;             // and why
 
   int frames() const { return static_cast<int>(features.size()); }
   // Tolerances are stated in pixels of a photo 800 pixels long; this is so many pixels of these photos.

@@ -1,6 +1,7 @@
 // ldp build: a capture folder to an .ldp file.
 
 #include "core/pipeline/build.h"
+#include "core/photos/left_out.h"
 
 #include <unistd.h>
 
@@ -63,7 +64,7 @@ void print_summary(const BuildCommand& command, const BuildResult& result, size_
               panorama.grid.width, panorama.grid.height, panorama.layers.size(), panorama.cameras.size(),
               result.report.poses.frames.size(), bytes, seconds);
   for (const FrameReport& frame : result.report.poses.frames) {
-    if (!frame.posed) std::printf("%s: left out: %s\n", frame.name.c_str(), frame.reason.c_str());
+    if (!frame.posed) std::printf("%s: left out: %s\n", frame.name.c_str(), words_of(frame.left_out).c_str());
   }
   for (const std::string& note : with_switches(result.report.notes))
     std::fprintf(stderr, "ldp build: %s\n", note.c_str());

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/panorama/file/ldp_file.h"
+#include "core/photos/left_out.h"
 #include "device/tool/json/quality_json.h"
 #include "device/tool/switches.h"
 
@@ -71,7 +72,7 @@ Json poses_json(const PosesReport& poses) {
                               {"matches", frame.matches},
                               {"inliers", frame.inliers},
                               {"reprojection_px", frame.reprojection_px},
-                              {"reason", frame.reason}});
+                              {"reason", words_of(frame.left_out)}});
   }
   return json;
 }

@@ -1,6 +1,7 @@
 // ldp poses: the cameras of a capture, as transforms.json and as a COLMAP model.
 
 #include "core/poses/poses.h"
+#include "core/photos/left_out.h"
 
 #include <algorithm>
 #include <array>
@@ -77,7 +78,7 @@ void print_table(const PosesReport& report) {
       std::printf("%s: %d features, %d matches, %d inliers, %.2f px\n", frame.name.c_str(), frame.features,
                   frame.matches, frame.inliers, frame.reprojection_px);
     } else {
-      std::printf("%s: left out: %s\n", frame.name.c_str(), frame.reason.c_str());
+      std::printf("%s: left out: %s\n", frame.name.c_str(), words_of(frame.left_out).c_str());
     }
   }
   std::printf("%d points, %.2f px\n", report.points, report.reprojection_px);

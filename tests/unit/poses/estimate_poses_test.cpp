@@ -1,0 +1,309 @@
+#include "core/poses/poses.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <vector>
+
+#include "sim/scene/picture.h"
+#include "sim/scene/scenes.h"
+#include "sim/scene/sweep_path.h"
+#include "tests/unit/poses/known_sweep.h"
+
+namespace ldp::sfm {
+namespace {
+
+using testing::HasSubstr;
+
+class Photos : public FrameSource {
+ public:
+  explicit Photos(std::vector<RgbImage> images) : images_(std::move(images)) {}
+  int size() const override { return static_cast<int>(images_.size()); }
+  std::string name(int i) const override { return std::to_string(1000 + i) + ".png"; }
+  RgbImage load(int i) const override { return images_[static_cast<size_t>(i)]; }
+  std::optional<double> focal_hint(int) const override { return std::nullopt; }
+
+ private:
+  std::vector<RgbImage> images_;
+};
+
+struct Rendered {
+  std::vector<Camera> cameras;
+  std::vector<RgbImage> images;
+};
+
+SweepPath short_path(double radius) {
+  SweepPath path;
+  path.frames = 8;
+  path.arc_rad = 70 * kDegree;
+  path.radius = radius;
+  path.width = 400, path.height = 300;
+  path.position_jitter = radius > 0 ? 0.01 : 0;
+  return path;
+}
+
+const Rendered& rendered(double radius) {
+  const auto make = [](double r) {
+    const Scene scene(make_scene("courtyard", 1));
+    Rendered result{sweep_cameras(short_path(r)), {}};
+    for (size_t i = 0; i < result.cameras.size(); ++i) {
+      PictureOptions options;
+      options.noise = 1;
+      options.noise_seed = i;
+      result.images.push_back(take_picture(scene, result.cameras[i], options, Job{}).colour);
+      result.cameras[i].name = std::to_string(1000 + i) + ".png";
+    }
+    return result;
+  };
+  static const Rendered arc = make(0.65), spot = make(0);
+  return radius > 0 ? arc : spot;
+}
+
+bool same_bytes(const Poses& a, const Poses& b) {
+  if (a.cameras.size() != b.cameras.size() || a.points.size() != b.points.size()) return false;
+  for (size_t i = 0; i < a.cameras.size(); ++i) {
+    if (a.cameras[i].pose.centre != b.cameras[i].pose.centre) return false;
+    if (a.cameras[i].pose.world_from_camera != b.cameras[i].pose.world_from_camera) return false;
+    if (a.cameras[i].intrinsics.fx != b.cameras[i].intrinsics.fx) return false;
+  }
+  return true;
+}
+
+const Poses& estimated() {
+  static const Poses poses = estimate_poses(Photos(rendered(0.65).images), PosesOptions{}, Job{});
+  return poses;
+}
+
+TEST(EstimatePoses, PosesEveryFrameOfASyntheticSweep) {
+  const Poses& poses = estimated();
+  ASSERT_EQ(poses.cameras.size(), 8U);
+  EXPECT_EQ(poses.report.motion, Motion::arc);
+  EXPECT_FALSE(poses.report.closed);
+  EXPECT_LT(poses.report.reprojection_px, 1);
+  const std::vector<Camera>& truth = rendered(0.65).cameras;
+  EXPECT_NEAR(poses.cameras[0].intrinsics.fx / truth[0].intrinsics.fx, 1, 0.02);
+  for (size_t i = 1; i < 8; ++i) {
+    const Eigen::Matrix3d found =
+        poses.cameras[i].pose.world_from_camera.transpose() * poses.cameras[0].pose.world_from_camera;
+    const Eigen::Matrix3d wanted = truth[i].pose.world_from_camera.transpose() * truth[0].pose.world_from_camera;
+    EXPECT_LT(angle_deg(found, wanted), 1);
+  }
+}
+
+TEST(EstimatePoses, LeavesAStraightLensStraight) {
+  EXPECT_EQ(estimated().cameras[0].intrinsics.k1, 0);
+  EXPECT_EQ(estimated().cameras[0].intrinsics.k2, 0);
+}
+
+TEST(EstimatePoses, WorldIsUprightAndOfArmsLength) {
+  double radius = 0;
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (const Camera& camera : estimated().cameras) {
+    up -= camera.pose.world_from_camera.col(1) / 8;
+    radius += camera.pose.centre.norm() / 8;
+  }
+  EXPECT_GT(up.normalized().z(), std::cos(1 * kDegree));
+  EXPECT_NEAR(radius, 0.65, 0.15);
+}
+
+// Every pixel between the middles of the small one's, as a camera of so many times its pixels sees them.
+RgbImage enlarged(const RgbImage& small, int times) {
+  RgbImage big(small.width * times, small.height * times);
+  for (int y = 0; y < big.height; ++y) {
+    for (int x = 0; x < big.width; ++x) {
+      const double u = std::clamp((x + 0.5) / times - 0.5, 0.0, small.width - 1.001),
+                   v = std::clamp((y + 0.5) / times - 0.5, 0.0, small.height - 1.001);
+      const int i = static_cast<int>(u), j = static_cast<int>(v);
+      const auto blend = [&](uint8_t Rgb::*channel) {
+        const auto at = [&](int p, int q) { return static_cast<double>(small.at(p, q).*channel); };
+        const double top = at(i, j) + (u - i) * (at(i + 1, j) - at(i, j));
+        const double bottom = at(i, j + 1) + (u - i) * (at(i + 1, j + 1) - at(i, j + 1));
+        return static_cast<uint8_t>(std::lround(top + (v - j) * (bottom - top)));
+      };
+      big.at(x, y) = {blend(&Rgb::r), blend(&Rgb::g), blend(&Rgb::b)};
+    }
+  }
+  return big;
+}
+
+TEST(EstimatePoses, OfPhotosShrunkForTheWorkAreInPixelsOfTheWholePhoto) {
+  constexpr int kTimes = 3;  // 1200 x 900: more than is worked on
+  std::vector<RgbImage> big;
+  for (const RgbImage& image : rendered(0.65).images) big.push_back(enlarged(image, kTimes));
+  const Poses poses = estimate_poses(Photos(std::move(big)), PosesOptions{}, Job{});
+  ASSERT_EQ(poses.cameras.size(), 8U);
+  const Intrinsics &k = poses.cameras[0].intrinsics, &small = rendered(0.65).cameras[0].intrinsics;
+  EXPECT_EQ(k.width, kTimes * 400);
+  EXPECT_EQ(k.height, kTimes * 300);
+  EXPECT_EQ(k.cx, kTimes * 200);
+  EXPECT_NEAR(k.fx / (kTimes * small.fx), 1, 0.02);
+  double squared = 0, count = 0, rightmost = 0;
+  for (size_t i = 0; i < poses.points.size(); ++i) {
+    for (size_t j = 0; j < poses.sightings[i].size(); ++j) {
+      const Pose& pose = poses.cameras[static_cast<size_t>(poses.points[i].cameras[j])].pose;
+      const Eigen::Vector3d seen = pose.world_from_camera.transpose() * (poses.points[i].position - pose.centre);
+      squared += (project(k, seen) - poses.sightings[i][j]).squaredNorm(), ++count;
+      rightmost = std::max(rightmost, poses.sightings[i][j].x());
+    }
+  }
+  EXPECT_LT(std::sqrt(squared / count), kTimes * 0.5);
+  EXPECT_GT(rightmost, kTimes * 380);
+}
+
+TEST(EstimatePoses, GivesTheSameBytesAtAnyThreadCount) {
+  for (const int threads : {1, 2, 4}) {
+    Job job;
+    job.threads = threads;
+    EXPECT_TRUE(same_bytes(estimated(), estimate_poses(Photos(rendered(0.65).images), PosesOptions{}, job))) << threads;
+  }
+}
+
+TEST(PoseEstimator, GivesTheSameBytesAsAllFramesAtOnceHoweverTheyArrive) {
+  const Photos photos(rendered(0.65).images);
+  PoseEstimator by_one{PosesOptions{}}, in_heaps{PosesOptions{}};
+  for (int count = 1; count <= photos.size(); ++count) by_one.add_frames(photos, count, Job{});
+  EXPECT_TRUE(same_bytes(estimated(), by_one.finish(Job{})));
+  Job job;
+  job.threads = 3;
+  for (const int count : {0, 2, 2, 7}) in_heaps.add_frames(photos, count, job);
+  EXPECT_EQ(in_heaps.size(), 7);
+  EXPECT_TRUE(same_bytes(estimated(), estimate_poses(photos, std::move(in_heaps), job)));
+}
+
+TEST(PoseEstimator, BeginsAnewWhenItsFramesAreNotTheFirstOfTheSource) {
+  class Renamed : public Photos {
+   public:
+    using Photos::Photos;
+    std::string name(int i) const override { return "other_" + Photos::name(i); }
+  };
+  const std::vector<RgbImage>& images = rendered(0.65).images;
+  PoseEstimator others{PosesOptions{}}, too_many{PosesOptions{}};
+  others.add_frames(Renamed({images[4], images[1]}), 2, Job{});
+  EXPECT_TRUE(same_bytes(estimated(), estimate_poses(Photos(images), std::move(others), Job{})));
+  std::vector<RgbImage> more = images;
+  more.push_back(images[0]);
+  too_many.add_frames(Photos(more), 9, Job{});
+  EXPECT_TRUE(same_bytes(estimated(), estimate_poses(Photos(images), std::move(too_many), Job{})));
+}
+
+TEST(EstimatePoses, RecognisesARotationOnTheSpot) {
+  const Poses poses = estimate_poses(Photos(rendered(0).images), PosesOptions{}, Job{});
+  EXPECT_EQ(poses.report.motion, Motion::rotation);
+  EXPECT_EQ(poses.cameras.size(), 8U);
+}
+
+// Narrow views, many steps and a lens that bends: a few degrees to the side would pass for a turn in every step, and
+// half the focal length with them.
+TEST(EstimatePoses, RecognisesARotationAllRoundThroughALensThatBends) {
+  const Scene scene(make_scene("courtyard", 1));
+  SweepPath path;
+  path.frames = 18;
+  path.arc_rad = 342 * kDegree;
+  path.radius = path.position_jitter = 0;
+  path.fov_rad = 36 * kDegree;
+  path.width = 300, path.height = 400;
+  path.k1 = -0.18;
+  const std::vector<Camera> truth = sweep_cameras(path);
+  std::vector<RgbImage> images;
+  for (const Camera& camera : truth) images.push_back(take_picture(scene, camera, PictureOptions{}, Job{}).colour);
+  const Poses poses = estimate_poses(Photos(images), PosesOptions{}, Job{});
+  EXPECT_EQ(poses.report.motion, Motion::rotation);
+  EXPECT_EQ(poses.report.doubt, "");
+  ASSERT_EQ(poses.cameras.size(), truth.size());
+  EXPECT_NEAR(poses.cameras[0].intrinsics.fx / truth[0].intrinsics.fx, 1, 0.01);
+}
+
+TEST(EstimatePoses, DropsAPhotoOfNothingAndNamesIt) {
+  std::vector<RgbImage> images = rendered(0.65).images;
+  images[3] = RgbImage(400, 300, Rgb{90, 90, 90});
+  const Poses poses = estimate_poses(Photos(images), PosesOptions{}, Job{});
+  EXPECT_EQ(poses.cameras.size(), 7U);
+  EXPECT_FALSE(poses.report.frames[3].posed);
+  EXPECT_THAT(words_of(poses.report.frames[3].left_out), HasSubstr("no texture"));
+}
+
+TEST(EstimatePoses, BearsAPhotoOfNothingInTheMiddle) {
+  std::vector<RgbImage> images = rendered(0.65).images;
+  images[images.size() / 2] = RgbImage(400, 300, Rgb{90, 90, 90});
+  const Poses poses = estimate_poses(Photos(images), PosesOptions{}, Job{});
+  EXPECT_EQ(poses.cameras.size(), images.size() - 1);
+  EXPECT_EQ(poses.report.motion, Motion::arc);
+}
+
+TEST(EstimatePoses, DropsAPhotoOfAnotherSizeAndSaysSo) {
+  std::vector<RgbImage> images = rendered(0.65).images;
+  images[7] = RgbImage(300, 400, Rgb{});
+  const Poses poses = estimate_poses(Photos(images), PosesOptions{}, Job{});
+  EXPECT_EQ(poses.cameras.size(), 7U);
+  EXPECT_THAT(words_of(poses.report.frames[7].left_out), HasSubstr("300x400"));
+}
+
+TEST(EstimatePoses, DropsAPhotoThatRepeatsTheOneBefore) {
+  std::vector<RgbImage> images = rendered(0.65).images;
+  images.insert(images.begin() + 4, 2, images[3]);
+  const Poses poses = estimate_poses(Photos(images), PosesOptions{}, Job{});
+  EXPECT_THAT(words_of(poses.report.frames[4].left_out), HasSubstr("the same picture as 1003.png"));
+  EXPECT_THAT(words_of(poses.report.frames[5].left_out), HasSubstr("the same picture as 1004.png"));
+  ASSERT_EQ(poses.cameras.size(), 8U);
+  for (size_t i = 0; i < 8; ++i)
+    EXPECT_LT((poses.cameras[i].pose.centre - estimated().cameras[i].pose.centre).norm(), 0.01) << i;
+}
+
+TEST(EstimatePoses, SaysWhyItIsImpossible) {
+  const std::vector<RgbImage> two(rendered(0.65).images.begin(), rendered(0.65).images.begin() + 2);
+  const auto words = [](const std::vector<RgbImage>& images) {
+    try {
+      estimate_poses(Photos(images), PosesOptions{}, Job{});
+    } catch (const Impossible& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(words(two), HasSubstr("at least 3 photos"));
+  const std::string blank = words(std::vector<RgbImage>(4, RgbImage(200, 150, Rgb{50, 60, 70})));
+  EXPECT_THAT(blank, HasSubstr("only 1 of 4 photos connect with each other"));
+  EXPECT_THAT(blank, HasSubstr("most show next to no texture"));
+  EXPECT_THAT(words(std::vector<RgbImage>(4, two[0])),
+              HasSubstr("none the same as the one before; 1001.png: it is the same picture as 1000.png"));
+  std::mt19937 random(3);
+  std::vector<RgbImage> noise(4, RgbImage(200, 150));
+  for (RgbImage& image : noise) {
+    for (Rgb& pixel : image.samples) pixel.r = pixel.g = pixel.b = static_cast<uint8_t>(random());
+  }
+  std::vector<RgbImage> repeated = noise;
+  repeated.insert(repeated.begin() + 2, noise[1]);
+  EXPECT_THAT(words(repeated), HasSubstr("of 5 photos connect with each other"));
+  EXPECT_THAT(words(repeated), HasSubstr("; left out was 1002.png: it is the same picture as 1001.png"));
+  EXPECT_THAT(words(noise), HasSubstr("sharp and free of noise"));
+}
+
+TEST(EstimatePoses, StopsWhenAsked) {
+  std::stop_source stop;
+  Job job;
+  job.stop = stop.get_token();
+  stop.request_stop();
+  EXPECT_THROW(estimate_poses(Photos(rendered(0.65).images), PosesOptions{}, job), Cancelled);
+}
+
+TEST(Triangulate, FindsPointsAndLeavesGivenCamerasAlone) {
+  const Rendered& r = rendered(0.65);
+  const Poses poses = triangulate(Photos(r.images), r.cameras, PosesOptions{}, Job{});
+  ASSERT_EQ(poses.cameras.size(), 8U);
+  EXPECT_GT(poses.points.size(), 100U);
+  EXPECT_LT(poses.report.reprojection_px, 0.7);
+  for (size_t i = 0; i < 8; ++i) EXPECT_EQ(poses.cameras[i].pose.centre, r.cameras[i].pose.centre);
+}
+
+TEST(Triangulate, NamesFramesWithoutACamera) {
+  const Rendered& r = rendered(0.65);
+  const std::vector<Camera> some(r.cameras.begin(), r.cameras.begin() + 5);
+  const Poses poses = triangulate(Photos(r.images), some, PosesOptions{}, Job{});
+  EXPECT_FALSE(poses.report.frames[6].posed);
+  EXPECT_THAT(words_of(poses.report.frames[6].left_out), HasSubstr("no camera"));
+  EXPECT_THROW(triangulate(Photos(r.images), {some[0], some[1]}, PosesOptions{}, Job{}), Impossible);
+}
+
+}  // namespace
+}  // namespace ldp::sfm

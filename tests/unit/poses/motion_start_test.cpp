@@ -1,0 +1,102 @@
+#include "core/poses/start/rotation_averaging.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+#include "core/poses/start/motion_model.h"
+#include "core/poses/start/spherical_motion.h"
+#include "tests/unit/poses/known_sweep.h"
+
+namespace ldp::sfm {
+namespace {
+
+std::vector<RayPair> spherical_pairs(const Eigen::Matrix3d& b_from_a, double nearest_w, double farthest_w) {
+  std::mt19937 random(4);
+  std::vector<RayPair> pairs;
+  while (pairs.size() < 150) {
+    const double x = uniform(random, -0.5, 0.5), y = uniform(random, -0.4, 0.4);
+    const Eigen::Vector3d a(x, y, 1);
+    const double w = uniform(random, farthest_w, nearest_w);
+    const Eigen::Vector3d b = b_from_a * (a + w * Eigen::Vector3d::UnitZ()) - w * Eigen::Vector3d::UnitZ();
+    if (b.z() > 0.1) pairs.push_back({a.hnormalized(), b.hnormalized()});
+  }
+  return pairs;
+}
+
+TEST(SphericalRotation, IsFoundForNearScenesAndForPureRotation) {
+  const Eigen::Matrix3d truth = turn(1, 12, -2);
+  for (const double near : {0.0, 0.1, 0.6}) {
+    const RelativeRotation found = spherical_rotation(spherical_pairs(truth, near, 0), 0.002);
+    EXPECT_LT(angle_deg(found.b_from_a, truth), 0.05) << "nearest inverse distance " << near;
+  }
+}
+
+TEST(SphericalRotation, BearsAThirdOfWrongPairs) {
+  const Eigen::Matrix3d truth = turn(1, 12, -2);
+  std::vector<RayPair> pairs = spherical_pairs(truth, 0.5, 0);
+  std::mt19937 random(5);
+  for (size_t i = 0; i < pairs.size(); i += 3) {
+    const double x = uniform(random, -0.5, 0.5), y = uniform(random, -0.4, 0.4);
+    pairs[i].b = {x, y};
+  }
+  EXPECT_LT(angle_deg(spherical_rotation(pairs, 0.002).b_from_a, truth), 0.3);
+}
+
+TEST(SphericalRotation, StaysWithWhatThePicturesShowWhereLinesTellLittle) {
+  // Twenty points of a view of 8 degrees, half a pixel of 800 off: hundreds of rotations fit their epipolar lines.
+  const Eigen::Matrix3d truth = turn(0.3, 3, 0.2);
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    std::vector<RayPair> pairs;
+    while (pairs.size() < 20) {
+      const Eigen::Vector3d a(uniform(random, -0.07, 0.07), uniform(random, -0.05, 0.05), 1);
+      const double w = uniform(random, 0, 0.2);
+      const Eigen::Vector3d b = truth * (a + w * Eigen::Vector3d::UnitZ()) - w * Eigen::Vector3d::UnitZ();
+      const Eigen::Vector2d off(uniform(random, -9e-5, 9e-5), uniform(random, -9e-5, 9e-5));
+      pairs.push_back({a.hnormalized(), b.hnormalized() + off});
+    }
+    EXPECT_LT(angle_deg(spherical_rotation(pairs, 0.0007).b_from_a, truth), 1) << "seed " << seed;
+  }
+}
+
+TEST(PureRotation, IsThatOfWhatIsFarAndNotHalfwayToWhatIsNear) {
+  const Eigen::Matrix3d truth = turn(1, 12, -2);
+  std::vector<RayPair> pairs = spherical_pairs(truth, 0, 0);
+  const std::vector<RayPair> near = spherical_pairs(truth, 0.6, 0.4);
+  pairs.insert(pairs.end(), near.begin(), near.begin() + 50);
+  const RelativeRotation found = pure_rotation(pairs);
+  EXPECT_LT(angle_deg(found.b_from_a, truth), 0.5);
+  EXPECT_GT(found.cost, 0.1);
+  pairs.resize(pairs.size() - 50);
+  EXPECT_NEAR(pure_rotation(pairs).cost, 0, 1e-9);
+}
+
+TEST(AverageRotations, ClosesALoopAndIgnoresAFalseEdge) {
+  std::vector<RotationEdge> edges;
+  const Eigen::Matrix3d step = turn(0, 36, 0);  // b_from_a; ten of them are a full turn
+  for (int i = 0; i < 10; ++i) edges.push_back({i, (i + 1) % 10, step, 100});
+  edges.push_back({2, 7, turn(0, 60, 20), 20});
+  std::vector<bool> reached;
+  const std::vector<Eigen::Matrix3d> world = average_rotations(10, 0, edges, reached);
+  for (size_t i = 0; i < 10; ++i) {
+    EXPECT_TRUE(reached[i]);
+    EXPECT_LT(angle_deg(world[(i + 1) % 10].transpose() * world[i], step), 0.5);
+  }
+}
+
+TEST(MotionRoughness, IsThatOfTheStepsAndNotOfHowTheCameraIsHeld) {
+  Bundle bundle = true_bundle(MotionModel::spherical);
+  const std::vector<LeftOut> left_out(bundle.cameras.size());
+  EXPECT_NEAR(motion_roughness(left_out, bundle), 0, 1e-12);
+  Bundle shifted = bundle;
+  for (Pose& pose : shifted.cameras) pose.centre += Eigen::Vector3d(0.3, 0.2, 0.1);
+  EXPECT_NEAR(motion_roughness(left_out, shifted), 0, 1e-12);
+  for (size_t i = 4; i < bundle.cameras.size(); ++i) bundle.cameras[i].centre.y() += 0.1;
+  EXPECT_NEAR(motion_roughness(left_out, bundle), 0.1 / static_cast<double>(bundle.cameras.size() - 1), 1e-9);
+}
+
+}  // namespace
+}  // namespace ldp::sfm
