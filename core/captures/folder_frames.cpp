@@ -15,6 +15,7 @@
 #include <system_error>
 
 #include "core/base/files.h"
+#include "core/captures/json_fields.h"
 #include "core/captures/transforms.h"
 #include "core/photos/resize.h"
 
@@ -124,14 +125,8 @@ Camera scaled(Camera camera, ImageSize size) {
 }
 
 std::optional<double> positive(const nlohmann::json& json, const char* key) {
-  const auto found = json.find(key);
-  if (found == json.end() || !found->is_number() || !(found->get<double>() > 0)) return std::nullopt;
-  return found->get<double>();
-}
-
-std::string words(const nlohmann::json& json, const char* key) {
-  const auto found = json.find(key);
-  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+  const std::optional<double> value = number_field(json, key);
+  return value && *value > 0 ? value : std::nullopt;
 }
 
 }  // namespace
@@ -223,8 +218,8 @@ CaptureNotes read_capture_notes(const fs::path& folder) {
   }
   notes.arm_length = positive(json, "arm_length");
   if (const auto degrees = positive(json, "fov_degrees")) notes.fov_rad = *degrees * std::numbers::pi / 180;
-  notes.device = words(json, "device");
-  notes.captured_utc = words(json, "begin_utc");
+  notes.device = text_field(json, "device").value_or("");
+  notes.captured_utc = text_field(json, "begin_utc").value_or("");
   return notes;
 }
 

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
 #include "core/base/exact_math.h"
 #include "core/base/files.h"
+#include "core/captures/json_fields.h"
 #include "core/photos/images.h"
 
 namespace ldp {
@@ -17,9 +19,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // One frame's fields with the file's as fall-back, and the words to refuse either.
-class Fields {
+class FrameFields {
  public:
-  Fields(const Json& file, const Json& frame, std::string where)
+  FrameFields(const Json& file, const Json& frame, std::string where)
       : file_(file), frame_(frame), where_(std::move(where)) {}
 
   [[noreturn]] void refuse(const std::string& what) const { throw std::runtime_error(where_ + ": " + what); }
@@ -27,10 +29,10 @@ class Fields {
   bool has(const char* key) const { return frame_.contains(key) || file_.contains(key); }
 
   double number(const char* key) const {
-    const Json* value = find(key);
-    if (!value) refuse(std::string(key) + " is missing");
-    if (!value->is_number()) refuse(std::string(key) + " is not a number");
-    return value->get<double>();
+    if (!has(key)) refuse(std::string(key) + " is missing");
+    const std::optional<double> value = number_field(holder(key), key);
+    if (!value) refuse(std::string(key) + " is not a number");
+    return *value;
   }
   double number(const char* key, double otherwise) const { return has(key) ? number(key) : otherwise; }
 
@@ -48,30 +50,25 @@ class Fields {
   }
 
   std::string text(const char* key, const std::string& otherwise) const {
-    const Json* value = find(key);
-    return value && value->is_string() ? value->get<std::string>() : otherwise;
+    return text_field(holder(key), key).value_or(otherwise);
   }
 
  private:
-  const Json* find(const char* key) const {
-    if (const auto in_frame = frame_.find(key); in_frame != frame_.end()) return &*in_frame;
-    if (const auto in_file = file_.find(key); in_file != file_.end()) return &*in_file;
-    return nullptr;
-  }
+  const Json& holder(const char* key) const { return frame_.contains(key) ? frame_ : file_; }
 
   const Json& file_;
   const Json& frame_;
   std::string where_;
 };
 
-double focal(const Fields& fields, const char* length, const char* angle, int side) {
+double focal(const FrameFields& fields, const char* length, const char* angle, int side) {
   if (fields.has(length)) return fields.positive(length);
   const double radians = fields.positive(angle);
   if (radians >= 3.14) fields.refuse(std::string(angle) + " must be less than pi");
   return side / (2 * std::tan(radians / 2));
 }
 
-void refuse_other_models(const Fields& fields) {
+void refuse_other_models(const FrameFields& fields) {
   for (const char* key : {"k3", "k4"})
     if (fields.number(key, 0) != 0) fields.refuse(std::string(key) + " is not supported: undistort the photos first");
   const std::string model = fields.text("camera_model", "OPENCV");
@@ -80,7 +77,7 @@ void refuse_other_models(const Fields& fields) {
   fields.refuse("camera_model " + model + " is not supported: pinhole cameras with k1 k2 p1 p2 are");
 }
 
-Intrinsics intrinsics_of(const Fields& fields) {
+Intrinsics intrinsics_of(const FrameFields& fields) {
   refuse_other_models(fields);
   Intrinsics k;
   k.width = fields.side("w");
@@ -97,7 +94,7 @@ Intrinsics intrinsics_of(const Fields& fields) {
   return k;
 }
 
-Eigen::Matrix4d matrix_of(const Json& frame, const Fields& fields) {
+Eigen::Matrix4d matrix_of(const Json& frame, const FrameFields& fields) {
   const auto rows = frame.find("transform_matrix");
   if (rows == frame.end()) fields.refuse("transform_matrix is missing");
   if (!rows->is_array() || rows->size() < 3 || rows->size() > 4) fields.refuse("transform_matrix must have 4 rows");
@@ -116,7 +113,7 @@ Eigen::Matrix4d matrix_of(const Json& frame, const Fields& fields) {
 // OpenGL's camera axes (right, up, back) against ours (right, down, forward).
 const Eigen::Vector3d kOpenGlFromOurs(1, -1, -1);
 
-Pose pose_of(const Json& frame, const Fields& fields) {
+Pose pose_of(const Json& frame, const FrameFields& fields) {
   const Eigen::Matrix4d matrix = matrix_of(frame, fields);
   if (!matrix.allFinite()) fields.refuse("transform_matrix must hold finite numbers only");
   Pose pose;
@@ -150,12 +147,12 @@ std::string_view without_extension(std::string_view name) {
 
 Camera camera_of(const Json& file, const Json& frame, const std::string& where) {
   if (!frame.is_object()) throw std::runtime_error(where + ": is not an object");
-  const Fields fields(file, frame, where);
-  const auto path = frame.find("file_path");
-  if (path == frame.end() || !path->is_string()) fields.refuse("file_path is missing");
-  const std::string name = last_part(path->get<std::string>());
+  const FrameFields fields(file, frame, where);
+  const std::optional<std::string> path = text_field(frame, "file_path");
+  if (!path) fields.refuse("file_path is missing");
+  const std::string name = last_part(*path);
   if (name.empty()) fields.refuse("file_path names no file");
-  const Fields named(file, frame, where + " (" + name + ")");
+  const FrameFields named(file, frame, where + " (" + name + ")");
   return {name, intrinsics_of(named), pose_of(frame, named)};
 }
 

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "core/base/files.h"
+#include "core/captures/json_fields.h"
 #include "device/capture/capture_tuning.h"
 #include "device/capture/log.h"
 #include "drivers/interface/clocks.h"
@@ -197,15 +198,10 @@ BuildRecord CaptureStore::read_build_record(const std::string& name) const {
   const Json json = Json::parse(read_text(file), nullptr, false);
   if (!json.is_object()) return {};
   BuildRecord record;
-  const auto flag = [&](const char* key) {
-    return json.contains(key) && json[key].is_boolean() && json[key].get<bool>();
-  };
-  const auto count = json.find("interruptions");
-  if (count != json.end() && count->is_number_integer()) record.interruptions = count->get<int>();
-  record.cancelled = flag("cancelled");
-  record.failed = flag("failed");
-  const auto reason = json.find("reason");
-  if (reason != json.end() && reason->is_string()) record.reason = reason->get<std::string>();
+  record.interruptions = static_cast<int>(integer_field(json, "interruptions").value_or(0));
+  record.cancelled = flag_field(json, "cancelled").value_or(false);
+  record.failed = flag_field(json, "failed").value_or(false);
+  record.reason = text_field(json, "reason").value_or("");
   return record;
 }
 
