@@ -39,10 +39,6 @@ constexpr double kCoarser = 1.05, kCoarsest = 3;  // steps of the panorama's pit
 constexpr double kFull = 0.75;  // share of the memory allowed at which large arrays are let go: it takes a moment
 // Message passing and expansion of every cut. As many cycles as find something take longer for views as good.
 constexpr int kIterations = 4, kCycles = 1;
-// Windows that moving regions touched are not solved again: energies of true sweeps are 0.02 to 0.06 % above those with
-// it, views as good (redkitchen_arc 23.08 v 22.92 dB, desk_sweep 20.78 v 20.90, garden 20.27 v 20.26), and it takes a
-// sixth longer, mostly to sweep the windows again.
-constexpr int kReoptimisationCycles = 0;
 // What an iteration before the last finds only hides voxels: it is swept in fewer steps, with less message passing, and
 // not expanded at all. Views are as good as with all of it, for half of its time (with 4, 2 and 1 iterations garden
 // 20.27, 20.28, 20.26 dB, redkitchen_arc 22.96, 23.03, 23.03, desk_sweep 20.34, 20.51, 20.44).
@@ -297,7 +293,6 @@ class Build {
     SolveOptions solving;
     solving.iterations = last_ ? kIterations : kHidingIterations;
     solving.cycles = last_ ? kCycles : kHidingCycles;
-    solving.reoptimisation_cycles = kReoptimisationCycles;
     Labelling labelling = solve_depth(costs, mask, solving, job_);
     report_.solves.push_back({"depth " + name, labelling.report});
     pictures_.labels("labels " + name, labelling.labels, options_.labels - 1);

@@ -6,8 +6,7 @@
 // both labels. For colour phi is the angle between the pixel's ray and the camera's ray, labels are source frames, and
 // g is the depth label of the pixel (fixed). Energies are sums of integers, in steps fine enough that lambda times
 // truncation is about 255 of them; energy never rises between steps, and the bytes are the same at any thread count.
-// Does not read images and keeps no volume: it pulls columns from the source once, from left to right, and then the
-// windows once more in which regions moved (region_moves.h).
+// Does not read images and keeps no volume: it pulls columns from the source once, from left to right.
 #pragma once
 
 #include <cstddef>
@@ -35,16 +34,15 @@ struct SolveOptions {
   int core_px = 64, margin_px = 8;  // windows: core_px plus margin_px on each side
   int iterations = 4;               // of message passing in each window, at each of four resolutions
   int cycles = 1;                   // of expansion moves over all labels, at most; it ends where nothing moves
-  // Over all windows, every second one shifted by half a window. 0: one, then regions of any size move, and windows
-  // that this touched are solved again; small grids get more iterations and margin, and all windows are solved again.
+  // Over all windows, every second one shifted by half a window. 0: one, then regions of any size move; small grids get
+  // more iterations and margin.
   int passes = 0;
-  int reoptimisation_cycles = 20;        // of expansion in windows that regions touched; 0: they are not solved again
   const EdgeFactors* factors = nullptr;  // nullptr: every factor is 1
 };
 
 struct SolveReport {
-  // Of the result; depth: in grey levels, colour: in degrees. Where regions moved and no window was solved again the
-  // smoothness energy is an upper bound.
+  // Of the result; depth: in grey levels, colour: in degrees. Where regions moved the smoothness energy is an upper
+  // bound.
   double data_energy = 0, smoothness_energy = 0;
   double initial_energy = 0;  // of the cheapest label of every pixel
   int passes = 0;

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <string>
 
+#include "core/solve/solve_tuning.h"
+
 namespace ldp::solve {
 
 namespace {
-
-constexpr int kLoadRows = 400, kLoadMargin = 0;
 
 size_t at(int i) { return static_cast<size_t>(i); }
 
@@ -27,7 +27,7 @@ WindowPass::WindowPass(const GridSource& source, const Smoothness& smoothness, c
       slot_map_(slot_map),
       regions_(regions),
       buffer_(source, smoothness),
-      loads_(tile_line(source.height(), kLoadRows, kLoadMargin, false)),
+      loads_(tile_line(source.height(), kLoadRows, 0, false)),
       last_place_(at(source.width())),
       changed_(tiling.columns.size() * tiling.rows.size()) {}
 

@@ -10,6 +10,7 @@
 #include "core/solve/moves/alpha_expansion.h"
 #include "core/solve/moves/label_grid.h"
 #include "core/solve/moves/smoothness.h"
+#include "core/solve/solve_tuning.h"
 
 namespace ldp::solve {
 
@@ -27,8 +28,6 @@ class WindowScratch {
   size_t bytes() const;
 
  private:
-  static constexpr int kCoarseLevels = 3;
-
   bool pass_messages(const Smoothness& smoothness, int iterations, const Job& job);
   bool expand(const Smoothness& smoothness, int slots, int cycles, const Job& job);
 

@@ -5,16 +5,13 @@
 #include <utility>
 
 #include "core/solve/moves/region_moves.h"
+#include "core/solve/solve_tuning.h"
 #include "core/solve/tiling.h"
 #include "core/solve/window_pass.h"
-#include "core/solve/window_reoptimisation.h"
 
 namespace ldp::solve {
 
 namespace {
-
-constexpr int kSmall = 300000;  // pixels; below, one unlucky window shows, and more work costs little
-constexpr int kRegionCycles = 4;
 
 class WindowSolver {
  public:
@@ -23,7 +20,7 @@ class WindowSolver {
         smoothness_(smoothness),
         options_(options),
         job_(job),
-        small_(source.width() * source.height() < kSmall),
+        small_(source.width() * source.height() < kSmallPixels),
         margin_px_(options.margin_px),
         result_(source) {}
 
@@ -31,7 +28,7 @@ class WindowSolver {
     if (options_.passes == 0 && !source_.has_positions()) {
       pass_and_move_regions();
     } else {
-      const int passes = options_.passes > 0 ? options_.passes : small_ ? 2 : 1;
+      const int passes = options_.passes > 0 ? options_.passes : small_ ? kSmallPasses : 1;
       for (int i = 0; i < passes; ++i)
         if (!pass(i % 2 == 1, {options_.iterations, options_.cycles})) break;
     }
@@ -67,25 +64,17 @@ class WindowSolver {
   }
 
   void pass_and_move_regions() {
-    Effort effort{options_.iterations, options_.cycles},
-        reoptimisation{(options_.iterations + 1) / 2, options_.reoptimisation_cycles};
+    Effort effort{options_.iterations, options_.cycles};
     if (small_) {
-      reoptimisation.iterations = options_.iterations;
-      effort.iterations = options_.iterations * 5 / 2;
-      margin_px_ = std::min(options_.margin_px * 3 / 2, (options_.core_px - 2) / 2);
+      effort.iterations = options_.iterations * kSmallIterations[0] / kSmallIterations[1];
+      margin_px_ = std::min(options_.margin_px * kSmallMargin[0] / kSmallMargin[1], (options_.core_px - 2) / 2);
     }
     regions_.emplace(source_.width(), source_.height(), source_.slots(), smoothness_);
     pass(false, effort);
-    if (reoptimisation.cycles > 0) {
-      const Plane<uint8_t> before = result_.slot_map.slots;
-      move_regions();
-      reoptimise(before, reoptimisation);
-    } else {
-      const Energy start = regions_->energy();
-      const Energy end = move_regions();
-      result_.final -= start;
-      result_.final += end;
-    }
+    const Energy start = regions_->energy();
+    const Energy end = move_regions();
+    result_.final -= start;
+    result_.final += end;
   }
 
   // Gives the energy of regions then.
@@ -100,14 +89,6 @@ class WindowSolver {
     const Energy energy = regions_->energy();
     regions_.reset();
     return energy;
-  }
-
-  void reoptimise(const Plane<uint8_t>& before, const Effort& effort) {
-    const WindowTiling tiling = this->tiling(true);
-    WindowReoptimisation reoptimisation(source_, smoothness_, tiling, effort, small_, before, result_.slot_map);
-    result_.final += reoptimisation.run(job_);
-    ++result_.passes;
-    note_bytes(reoptimisation.bytes());
   }
 
   void note_bytes(size_t of_step) {

@@ -1,7 +1,6 @@
 // Solves a labelling problem of any size window by window: each window's labels are improved with everything outside
 // it held fixed, so that the energy of the whole never rises (window_pass.h). Then regions larger than windows move
-// (region_moves.h), and, where reoptimisation_cycles asks for it, the windows that this touched are loaded and solved
-// once more (window_reoptimisation.h).
+// (region_moves.h).
 #pragma once
 
 #include <cstddef>
@@ -16,7 +15,7 @@
 namespace ldp::solve {
 
 struct WindowOptions {  // as SolveOptions has them
-  int core_px, margin_px, iterations, cycles, passes, reoptimisation_cycles = 0;
+  int core_px, margin_px, iterations, cycles, passes;
 };
 
 struct WindowSolve {

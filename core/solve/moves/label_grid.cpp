@@ -109,7 +109,7 @@ void spread_messages(const LabelGrid& coarse, LabelGrid& fine) {
     }
 }
 
-Energy energy_of_pixel(const LabelGrid& grid, const Smoothness& smoothness, int p) {
+static Energy energy_of_pixel(const LabelGrid& grid, const Smoothness& smoothness, int p) {
   const int a = grid.label[static_cast<size_t>(p)];
   Energy energy;
   energy.data = grid.costs(p)[a];

@@ -103,9 +103,7 @@ struct Energy {
   }
 };
 
-// Energy of the label of a pixel and of its edges down and to the right, floors apart.
-Energy energy_of_pixel(const LabelGrid& grid, const Smoothness& smoothness, int p);
-// The same of all pixels.
+// Energy of every pixel's label and of the edges, floors apart.
 Energy energy_of(const LabelGrid& grid, const Smoothness& smoothness);
 
 // A labelling problem that gives any window of itself.
