@@ -8,31 +8,17 @@
 #include <string>
 
 #include "core/arc/arc.h"
+#include "core/arc/arc_tuning.h"
 #include "core/base/exact_math.h"
 #include "core/base/job.h"
 
 namespace ldp {
+
+using namespace arcs;
+
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kDegree = std::numbers::pi / 180;
-
-// How far a hand is from the ideal: standard deviations of the axis' witnesses.
-constexpr double kRollSigma = 3 * kDegree;      // a camera's right axis out of the horizontal
-constexpr double kPitchSigma = 10 * kDegree;    // its forward axis (people tilt cameras for a whole sweep)
-constexpr double kHeightSigma = 0.10;           // camera centres out of the plane, as a share of their spread
-constexpr double kRadialSigma = 0.02;           // centres off the circle, as a share of their spread
-constexpr double kTangentialSigma = 0.20;       // the same along the circle, against where the camera looks
-constexpr double kRoughest = 0.2;               // radial residual, in radii, of what still counts as going round
-constexpr double kStraightAngle = 8 * kDegree;  // a path that bends less than this counts as straight
-
-// In path lengths; straight paths get it. The rays of a larger circle would run parallel, and what the cameras at its
-// ends see aside would lie far beyond the panorama's ends.
-constexpr double kLargestRadius = 1.5;
-
-// The circle is rounded to this share of its radius and of a radian, a hundred-thousandth of a pixel: the last bits of
-// a fit depend on the processor.
-constexpr int kFitBits = 24;
 
 double cauchy_weight(double squared) { return 1 / (1 + squared); }
 
@@ -63,8 +49,8 @@ Eigen::Vector3d fit_axis(const std::vector<Camera>& cameras) {
       scatter += cauchy_weight(residual * residual) / (sigma * sigma) * witness * witness.transpose();
     };
     for (const Camera& camera : cameras) {
-      add(camera.pose.world_from_camera.col(0), kRollSigma);
-      add(camera.pose.world_from_camera.col(2), kPitchSigma);
+      add(camera.pose.world_from_camera.col(0), kRollSigma_rad);
+      add(camera.pose.world_from_camera.col(2), kPitchSigma_rad);
       add(camera.pose.centre - middle, height_sigma);
     }
     axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
@@ -329,7 +315,7 @@ ArcFit fit_arc(const std::vector<Camera>& cameras) {
   const bool one_place = scale <= 1e-9 * std::max(1.0, middle.norm());
   std::optional<Circle> circle = one_place ? Circle{} : fit_circle(flat, scale);
   ArcFit fit;
-  fit.straight = !circle || (!one_place && chord(flat).first < kStraightAngle * circle->radius);
+  fit.straight = !circle || (!one_place && chord(flat).first < kStraightAngle_rad * circle->radius);
   const bool flat_path = fit.straight || (!one_place && circle->radius > kLargestRadius * chord(flat).first);
   if (flat_path) circle = straight_circle(flat);
   circle = rounded_circle(*circle);

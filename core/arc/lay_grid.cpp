@@ -5,29 +5,16 @@
 #include <numbers>
 
 #include "core/arc/arc.h"
+#include "core/arc/arc_tuning.h"
 #include "core/base/exact_math.h"
 
 namespace ldp {
+
+using namespace arcs;
+
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kSteepest = 4;  // |v|, i.e. 76 degrees: a cylinder shows nothing useful beyond
-constexpr double kTallest = 1.5;
-constexpr double kLowestShare = 0.02;  // percentiles of the points' inverse depths taken as far and near
-
-// Points that three cameras agree on are hardly ever wrong: a few of them, nearer than the percentile, are something
-// near that has few points, such as a railing.
-constexpr size_t kSureCameras = 3, kFewestSure = 8;
-constexpr double kSureShare = 0.001;  // of all points, and kFewestSure at least
-
-constexpr double kMargin = 1.15;         // on the near side, for what no feature point was found on
-constexpr int kWidest = 65535;           // columns that a file holds (core/panorama/file/FORMAT.md)
-constexpr double kFarRadii = 100;        // farther than this many radii is infinity
-constexpr double kFarLabels = 1.5 / 15;  // so is what lies so little of the range from it: skies have no feature points
-
-// Found from points and photos, the range and the borders need no more digits; further ones depend on the processor.
-constexpr int kRangeBits = 9;    // of the inverse depths
-constexpr int kBorderBits = 20;  // of a radian
 
 struct InverseDepths {
   double far = 0, near = 0;
@@ -237,18 +224,18 @@ PanoramaGrid lay_grid(const Arc& arc, const std::vector<Camera>& cameras, const 
 
 int columns_of_colour(const PanoramaGrid& grid, const std::vector<Camera>& cameras,
                       const std::vector<ScenePoint>& points) {
-  constexpr int kMost = 2;
   std::vector<double> inverse;
   for (const ScenePoint& point : points) {
     const double w = locate(grid, point.position).inverse_depth;
     if (w >= 0) inverse.push_back(w);
   }
   const int widest = std::min(kWidest, most_columns(cameras));
-  if (inverse.empty() || grid.width > widest / kMost ||
-      static_cast<double>(grid.width) * kMost * grid.height > most_pixels(cameras, {}))
+  if (inverse.empty() || grid.width > widest / kMostColourColumns ||
+      static_cast<double>(grid.width) * kMostColourColumns * grid.height > most_pixels(cameras, {}))
     return 1;
   const double w = rounded(percentile(inverse, 0.5), kRangeBits, grid.w_near);
-  return std::clamp(static_cast<int>((grid.ray_radius() * w + 1) * grid.theta_pitch / grid.v_pitch), 1, kMost);
+  return std::clamp(static_cast<int>((grid.ray_radius() * w + 1) * grid.theta_pitch / grid.v_pitch), 1,
+                    kMostColourColumns);
 }
 
 PanoramaGrid with_finer_columns(PanoramaGrid grid, int times) {

@@ -2,15 +2,11 @@
 #include <cmath>
 
 #include "core/arc/arc.h"
+#include "core/arc/arc_tuning.h"
 
 namespace ldp {
-namespace {
 
-constexpr double kClearly = 2;        // times as much up or down as to the side
-constexpr double kLeastTurn = 0.25;   // rad, below which a turn tells nothing
-constexpr double kLeastShare = 0.35;  // of the path's length, that must remain of its steps' sum
-
-}  // namespace
+using namespace arcs;
 
 // Steps from camera to camera, in each camera's axes, are added up with their signs: what a hand sways cancels out.
 std::string sideways(const std::vector<Camera>& cameras) {
@@ -25,7 +21,7 @@ std::string sideways(const std::vector<Camera>& cameras) {
   }
   const double nod = std::abs(turn.x()), pan = std::abs(turn.y());
   const double down = std::abs(way.y()), aside = std::abs(way.x());
-  const bool turns = std::max(nod, pan) > kLeastTurn;
+  const bool turns = std::max(nod, pan) > kLeastTurn_rad;
   if (turns ? nod <= kClearly * pan : down <= kClearly * aside || down <= kLeastShare * length) return {};
   return "the sweep goes up or down in the photos: where the camera lay on its side, a turn by 90 or by 270 degrees "
          "shows things upright, where it stood upright, no turn";

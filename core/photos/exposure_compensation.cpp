@@ -6,19 +6,13 @@
 #include <optional>
 
 #include "core/base/exact_math.h"
+#include "core/photos/exposure_tuning.h"
 
 namespace ldp {
-namespace {
 
-constexpr int kBlocksAcross = 64;            // blocks along the longer side of a photo
-constexpr int kLowest = 16, kHighest = 240;  // channel values between which a pixel is trusted
-constexpr size_t kLeastSamples = 12;         // of a link
-// Prior, in logarithms: by how much neighbouring photos differ in exposure (automatic exposure goes a stop either way),
-// and each channel in its share of it (white balance).
-constexpr double kExposureSigma = 0.5, kTintSigma = 0.1;
-constexpr double kLeastLinkSigma = 0.003;  // a link is never trusted more than this
-constexpr double kLargestGain = 4;
-constexpr int kRounds = 5;  // of re-weighting
+using namespace exposure;
+
+namespace {
 
 struct Link {
   int a = 0, b = 0;
@@ -53,7 +47,7 @@ std::optional<Reading> read_colour(const Thumbnail& thumbnail, const Eigen::Vect
 
 std::optional<Reading> read_at(const Camera& camera, const Thumbnail& thumbnail, const Eigen::Vector3d& ray) {
   const Eigen::Vector3d d = exact_transposed_product(camera.pose.world_from_camera, ray);
-  if (d.z() <= 0.1 * std::sqrt(exact_dot(d, d))) return {};
+  if (d.z() <= kLeastForward * std::sqrt(exact_dot(d, d))) return {};
   return read_colour(thumbnail, project(camera.intrinsics, d));
 }
 
@@ -221,7 +215,6 @@ class NormalEquations {
   }
 
  private:
-  static constexpr double kAnchor = 1e-3;  // pulls each unknown to zero, lest photos without links have no solution
   size_t n_;
   std::vector<double> left_, right_;
 };
@@ -229,7 +222,7 @@ class NormalEquations {
 // Log factors that fit the links best; links that contradict the others lose weight.
 std::vector<double> solve_links(const std::vector<Link>& links, double prior_sigma, size_t n) {
   std::vector<double> x(n, 0), weight(links.size());
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kReweightings; ++round) {
     for (size_t i = 0; i < links.size(); ++i) {
       const Link& link = links[i];
       const double error = x[static_cast<size_t>(link.a)] - x[static_cast<size_t>(link.b)] - link.log_ratio;

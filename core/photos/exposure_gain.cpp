@@ -5,23 +5,27 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/photos/exposure_tuning.h"
+
 namespace ldp {
+
+using namespace exposure;
+
 namespace {
 
 constexpr int kOne = 4096;
 constexpr double kWhite = 255;
 
 double brightened(double level, double gain) {
-  constexpr double kShoulder = 208, kWidth = kWhite - kShoulder;
-  const double beyond = gain * level - kShoulder, most = gain * kWhite - kShoulder;
+  constexpr double kWidth = kWhite - kBrightShoulder;
+  const double beyond = gain * level - kBrightShoulder, most = gain * kWhite - kBrightShoulder;
   if (beyond <= 0) return gain * level;
   const double k = most / kWidth, t = beyond / most;
-  return kShoulder + kWidth * k * t / (1 + (k - 1) * t);
+  return kBrightShoulder + kWidth * k * t / (1 + (k - 1) * t);
 }
 
 double darkened(double level, double gain) {
-  constexpr double kShoulder = 224;  // nearer to white: what is not clipped shall match what others show of it
-  const double t = std::max(0.0, (level - kShoulder) / (kWhite - kShoulder));
+  const double t = std::max(0.0, (level - kDarkShoulder) / (kWhite - kDarkShoulder));
   return level * (gain + (1 - gain) * t * t);
 }
 

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/rectify/rectify_tuning.h"
 #include "core/rectify/resample.h"
 
 namespace ldp::rectification {
 namespace {
 
-constexpr int kCellsAcross = 64;
-constexpr int kBin = 12 * kSampleScale;
+constexpr int kBin = kBinLevels * kSampleScale;
 constexpr int kBins = 255 * kSampleScale / kBin + 3;  // one more at either end
 constexpr int kWeightBits = 6;                        // of interpolation along one axis
-constexpr int kRowsAtOnce = 16;
 constexpr int kMiddle = 128 * kSampleScale, kHighest = 255 * kSampleScale;
 
 struct Cell {

@@ -11,14 +11,13 @@
 
 #include "core/photos/exposure_compensation.h"
 #include "core/rectify/background_subtraction.h"
+#include "core/rectify/rectify_tuning.h"
 #include "core/rectify/resample.h"
 
 namespace ldp::rectification {
 namespace {
 
-constexpr int kStrip = 32;                                      // columns resampled between two looks at the job
-constexpr size_t kBytesPerPixel = 10, kBytesAtOnce = 32 << 20;  // of photos being worked on
-constexpr std::array<int, 3> kLuma = {299, 587, 114};           // ITU-R BT.601
+constexpr std::array<int, 3> kLuma = {299, 587, 114};  // ITU-R BT.601
 constexpr int kLumaSum = 1000;
 
 RgbImage load_checked(const FrameSource& frames, int index, const Camera& camera) {
@@ -103,8 +102,6 @@ class Resampler {
   }
 
  private:
-  static constexpr int kMostTaps = 4;
-
   double from_middle(int tap) const { return (tap + 0.5) / taps_ - 0.5; }
 
   // One sample; is all of it inside the photo?

@@ -9,11 +9,10 @@
 
 #include "core/base/exact_math.h"
 #include "core/photos/catmull_rom.h"
+#include "core/rectify/rectify_tuning.h"
 
 namespace ldp::rectification {
 namespace {
-
-constexpr int kOutlineSteps = 32;  // points per side by which a photo's outline is followed
 
 Eigen::Vector3d horizontal_forward(const Camera& camera, const Eigen::Vector3d& axis) {
   const Eigen::Vector3d forward = camera.pose.world_from_camera.col(2);

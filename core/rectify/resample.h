@@ -9,8 +9,6 @@
 
 namespace ldp::rectification {
 
-constexpr double kMaxUprightTangent = 2.0;  // 63 degrees off the upright axis; beyond, a photo is cut
-
 // The upright camera of a photograph: same centre, image plane parallel to `axis`, just large enough; one of its pixels
 // spans `pitch_px` of the photograph's.
 UprightCamera upright_camera(const Camera& camera, const Eigen::Vector3d& axis, int source, double pitch_px);
