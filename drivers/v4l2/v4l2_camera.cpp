@@ -2,233 +2,30 @@
 // https://docs.kernel.org/userspace-api/media/v4l/mmap.html is the reference for the order of the calls.
 #include <fcntl.h>
 #include <linux/videodev2.h>
-#include <sys/ioctl.h>
-#include <sys/mman.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "drivers/backends.h"
 #include "drivers/interface/clocks.h"
 #include "drivers/interface/errors.h"
-#include "drivers/interface/unique_fd.h"
+#include "drivers/v4l2/v4l2_buffers.h"
+#include "drivers/v4l2/v4l2_controls.h"
+#include "drivers/v4l2/v4l2_offers.h"
 #include "drivers/v4l2_modes.h"
 
 namespace ldp {
+
+using namespace v4l2;
+
 namespace {
 
-constexpr uint32_t kBuffers = 6;   // one being filled, some waiting, two held as candidates by the reader
-constexpr int kErrorsInARow = 5;   // of DQBUF before the camera counts as broken
-constexpr double kSettle_s = 0.5;  // automatic exposure after the start of the stream
-
-int call(int fd, unsigned long request, void* argument) {
-  int result = 0;
-  do {
-    result = ::ioctl(fd, request, argument);
-  } while (result != 0 && errno == EINTR);
-  return result;
-}
-
-struct FourCc {
-  uint32_t code;
-  PixelFormat format;
-};
-constexpr std::array kFourCcs = {
-    FourCc{V4L2_PIX_FMT_MJPEG, PixelFormat::mjpeg}, FourCc{V4L2_PIX_FMT_JPEG, PixelFormat::mjpeg},
-    FourCc{V4L2_PIX_FMT_YUYV, PixelFormat::yuyv},   FourCc{V4L2_PIX_FMT_NV12, PixelFormat::nv12},
-    FourCc{V4L2_PIX_FMT_RGB24, PixelFormat::rgb24}, FourCc{V4L2_PIX_FMT_BGR24, PixelFormat::bgr24}};
-
-std::optional<PixelFormat> format_from(uint32_t code) {
-  for (const FourCc& known : kFourCcs) {
-    if (known.code == code) return known.format;
-  }
-  return std::nullopt;
-}
-
-struct Offer {
-  CameraMode mode;
-  uint32_t code = 0;
-};
-
-// --- what the device offers ------------------------------------------------------------------------------------------
-
-double fps_from(const v4l2_fract& interval) {
-  return interval.numerator == 0 ? 0 : double(interval.denominator) / interval.numerator;
-}
-
-// The rate nearest to the wish at one size; 0 if the driver does not say.
-double best_fps(int fd, uint32_t code, uint32_t width, uint32_t height, double wish) {
-  double best = 0;
-  const auto consider = [&](double fps) {
-    if (fps > 0 && (best == 0 || std::abs(fps - wish) < std::abs(best - wish))) best = fps;
-  };
-  for (uint32_t index = 0; index < 64; ++index) {
-    v4l2_frmivalenum entry{};
-    entry.index = index;
-    entry.pixel_format = code;
-    entry.width = width;
-    entry.height = height;
-    if (call(fd, VIDIOC_ENUM_FRAMEINTERVALS, &entry) != 0) break;
-    if (entry.type == V4L2_FRMIVAL_TYPE_DISCRETE) {
-      consider(fps_from(entry.discrete));
-      continue;
-    }
-    const double fastest = fps_from(entry.stepwise.min), slowest = fps_from(entry.stepwise.max);
-    consider(std::min(fastest, std::max(slowest, wish)));
-    break;
-  }
-  return best;
-}
-
-uint32_t nearest_step(uint32_t wish, uint32_t low, uint32_t high, uint32_t step) {
-  const uint32_t inside = std::min(std::max(wish, low), high);
-  return low + (inside - low) / std::max(step, 1U) * std::max(step, 1U);
-}
-
-void add_sizes(int fd, uint32_t code, const ModeWish& wish, std::vector<Offer>& offers) {
-  const auto format = format_from(code);
-  const auto add = [&](uint32_t width, uint32_t height) {
-    const double fps = best_fps(fd, code, width, height, wish.fps);
-    offers.push_back({{*format, static_cast<int>(width), static_cast<int>(height), fps, kSettle_s}, code});
-  };
-  for (uint32_t index = 0; index < 256; ++index) {
-    v4l2_frmsizeenum entry{};
-    entry.index = index;
-    entry.pixel_format = code;
-    if (call(fd, VIDIOC_ENUM_FRAMESIZES, &entry) != 0) {
-      if (index == 0) add(static_cast<uint32_t>(wish.width), static_cast<uint32_t>(wish.height));
-      return;
-    }
-    if (entry.type == V4L2_FRMSIZE_TYPE_DISCRETE) {
-      add(entry.discrete.width, entry.discrete.height);
-      continue;
-    }
-    const auto& range = entry.stepwise;
-    add(nearest_step(static_cast<uint32_t>(wish.width), range.min_width, range.max_width, range.step_width),
-        nearest_step(static_cast<uint32_t>(wish.height), range.min_height, range.max_height, range.step_height));
-    return;
-  }
-}
-
-std::vector<Offer> offers_of(int fd, uint32_t type, const ModeWish& wish) {
-  std::vector<Offer> offers;
-  for (uint32_t index = 0; index < 128; ++index) {
-    v4l2_fmtdesc entry{};
-    entry.index = index;
-    entry.type = type;
-    if (call(fd, VIDIOC_ENUM_FMT, &entry) != 0) break;
-    if (format_from(entry.pixelformat)) add_sizes(fd, entry.pixelformat, wish, offers);
-  }
-  return offers;
-}
-
-// --- buffers ---------------------------------------------------------------------------------------------------------
-
-struct Mapping {
-  uint8_t* bytes = nullptr;
-  size_t size = 0;
-  Mapping(int fd, size_t length, uint32_t offset) : size(length) {
-    void* const address = ::mmap(nullptr, length, PROT_READ, MAP_SHARED, fd, static_cast<off_t>(offset));
-    if (address == MAP_FAILED) throw_errno("cannot map a camera buffer");
-    bytes = static_cast<uint8_t*>(address);
-  }
-  Mapping(Mapping&& other) noexcept : bytes(std::exchange(other.bytes, nullptr)), size(other.size) {}
-  Mapping(const Mapping&) = delete;
-  Mapping& operator=(const Mapping&) = delete;
-  ~Mapping() {
-    if (bytes != nullptr) ::munmap(bytes, size);
-  }
-};
-
-// A v4l2_buffer with room for the one memory plane that both APIs (single and multi-planar) need here.
-struct Buffer {
-  v4l2_buffer buffer{};
-  v4l2_plane plane{};
-
-  Buffer(uint32_t type, uint32_t index) {
-    buffer.type = type;
-    buffer.memory = V4L2_MEMORY_MMAP;
-    buffer.index = index;
-  }
-  bool is_multiplanar() const { return V4L2_TYPE_IS_MULTIPLANAR(buffer.type); }
-  int call(int fd, unsigned long request) {
-    if (is_multiplanar()) {
-      buffer.m.planes = &plane;
-      buffer.length = 1;
-    }
-    return ldp::call(fd, request, &buffer);
-  }
-  size_t length() const { return is_multiplanar() ? plane.length : buffer.length; }
-  uint32_t offset() const { return is_multiplanar() ? plane.m.mem_offset : buffer.m.offset; }
-  size_t bytes_used() const { return is_multiplanar() ? plane.bytesused : buffer.bytesused; }
-  size_t data_offset() const { return is_multiplanar() ? plane.data_offset : 0; }
-};
-
-// What frames keep alive: the device and its mapped buffers of one start..stop.
-struct Stream {
-  UniqueFd fd;
-  uint32_t type = 0;
-  std::vector<Mapping> mappings;
-  bool running = false;
-
-  void give_back(uint32_t index) const {
-    if (!running) return;
-    Buffer buffer(type, index);
-    buffer.call(fd.get(), VIDIOC_QBUF);  // a failure shows at the next DQBUF
-  }
-};
-
-// --- controls --------------------------------------------------------------------------------------------------------
-
-// Freezes what cameras adjust by themselves and remembers how it was.
-class AutomaticControls {
- public:
-  bool lock(int fd) {
-    const bool by_lock = set(fd, V4L2_CID_3A_LOCK, V4L2_LOCK_EXPOSURE | V4L2_LOCK_WHITE_BALANCE | V4L2_LOCK_FOCUS);
-    // Going manual keeps the present value only if it is read before and written after.
-    const auto exposure = get(fd, V4L2_CID_EXPOSURE_ABSOLUTE);
-    const auto gain = get(fd, V4L2_CID_GAIN);
-    const auto temperature = get(fd, V4L2_CID_WHITE_BALANCE_TEMPERATURE);
-    const bool by_mode = set(fd, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL);
-    if (by_mode && exposure) write(fd, V4L2_CID_EXPOSURE_ABSOLUTE, *exposure);
-    if (set(fd, V4L2_CID_AUTOGAIN, 0) && gain) write(fd, V4L2_CID_GAIN, *gain);
-    if (set(fd, V4L2_CID_AUTO_WHITE_BALANCE, 0) && temperature) {
-      write(fd, V4L2_CID_WHITE_BALANCE_TEMPERATURE, *temperature);
-    }
-    set(fd, V4L2_CID_FOCUS_AUTO, 0);
-    return by_lock || by_mode;
-  }
-
-  void unlock(int fd) {
-    for (const auto& [id, value] : before_) write(fd, id, value);
-    before_.clear();
-  }
-
- private:
-  static std::optional<int32_t> get(int fd, uint32_t id) {
-    v4l2_control control{id, 0};
-    if (call(fd, VIDIOC_G_CTRL, &control) != 0) return std::nullopt;
-    return control.value;
-  }
-  static bool write(int fd, uint32_t id, int32_t value) {
-    v4l2_control control{id, value};
-    return call(fd, VIDIOC_S_CTRL, &control) == 0;
-  }
-  bool set(int fd, uint32_t id, int32_t value) {
-    const auto before = get(fd, id);
-    if (!before || !write(fd, id, value)) return false;
-    before_.try_emplace(id, *before);
-    return true;
-  }
-
-  std::map<uint32_t, int32_t> before_;
-};
-
-// --- the camera ------------------------------------------------------------------------------------------------------
+constexpr uint32_t kBuffers = 6;  // one being filled, some waiting, two held as candidates by the reader
+constexpr int kErrorsInARow = 5;  // of DQBUF before the camera counts as broken
 
 class V4l2Camera final : public CameraDevice {
  public:

@@ -3,24 +3,17 @@
 // libcamera completes requests on its own thread. That thread only puts them into a queue and raises an event
 // descriptor; everything else happens on the thread that reads the camera.
 #include <libcamera/libcamera.h>
-#include <sys/eventfd.h>
-#include <sys/mman.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <deque>
-#include <map>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "drivers/backends.h"
 #include "drivers/interface/clocks.h"
-#include "drivers/interface/errors.h"
-#include "drivers/interface/unique_fd.h"
+#include "drivers/libcamera/libcamera_session.h"
 #include "drivers/v4l2_modes.h"
 
 #define LDP_LIBCAMERA_AT_LEAST(major, minor) \
@@ -54,157 +47,6 @@ std::optional<PixelFormat> format_from(const libcamera::PixelFormat& theirs) {
   return std::nullopt;
 }
 
-// --- what the callback thread and the reader share -------------------------------------------------------------------
-
-class CompletedRequests {
- public:
-  CompletedRequests() : event_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
-    if (!event_.is_open()) throw_errno("cannot make an event descriptor");
-  }
-
-  int fd() const { return event_.get(); }
-
-  void put(libcamera::Request* request) {
-    {
-      const std::scoped_lock lock(mutex_);
-      requests_.push_back(request);
-    }
-    raise();
-  }
-
-  void disconnect() {
-    {
-      const std::scoped_lock lock(mutex_);
-      disconnected_ = true;
-    }
-    raise();
-  }
-
-  libcamera::Request* take() {
-    const std::scoped_lock lock(mutex_);
-    if (requests_.empty()) {
-      uint64_t count = 0;
-      if (!disconnected_) [[maybe_unused]]
-        const ssize_t got = ::read(event_.get(), &count, sizeof count);
-      return nullptr;
-    }
-    libcamera::Request* const request = requests_.front();
-    requests_.pop_front();
-    return request;
-  }
-
-  bool disconnected() const {
-    const std::scoped_lock lock(mutex_);
-    return disconnected_;
-  }
-
-  void clear() {
-    const std::scoped_lock lock(mutex_);
-    requests_.clear();
-  }
-
- private:
-  void raise() {
-    const uint64_t one = 1;
-    [[maybe_unused]] const ssize_t put = ::write(event_.get(), &one, sizeof one);
-  }
-
-  UniqueFd event_;
-  mutable std::mutex mutex_;
-  std::deque<libcamera::Request*> requests_;
-  bool disconnected_ = false;
-};
-
-// A whole buffer's memory, mapped once; its planes lie in it at their offsets.
-class MappedBuffer {
- public:
-  explicit MappedBuffer(const libcamera::FrameBuffer& buffer) {
-    try {
-      for (const auto& plane : buffer.planes()) planes_.push_back(map(plane));
-    } catch (...) {
-      unmap();
-      throw;
-    }
-  }
-  MappedBuffer(const MappedBuffer&) = delete;
-  MappedBuffer& operator=(const MappedBuffer&) = delete;
-  ~MappedBuffer() { unmap(); }
-
-  const std::vector<FramePlane>& planes() const { return planes_; }
-
- private:
-  struct Area {
-    void* address;
-    size_t size;
-  };
-
-  FramePlane map(const libcamera::FrameBuffer::Plane& plane) {
-    const off_t end = ::lseek(plane.fd.get(), 0, SEEK_END);
-    const size_t offset = plane.offset == libcamera::FrameBuffer::Plane::kInvalidOffset ? 0 : plane.offset;
-    const size_t size = std::max(end > 0 ? static_cast<size_t>(end) : 0, offset + plane.length);
-    auto [area, fresh] = areas_.try_emplace(plane.fd.get(), Area{MAP_FAILED, size});
-    if (fresh) area->second.address = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, plane.fd.get(), 0);
-    if (area->second.address == MAP_FAILED) throw_errno("cannot map a camera buffer");
-    return {static_cast<const uint8_t*>(area->second.address) + offset, plane.length, 0};
-  }
-
-  void unmap() {
-    for (const auto& [fd, area] : areas_) {
-      if (area.address != MAP_FAILED) ::munmap(area.address, area.size);
-    }
-  }
-
-  std::map<int, Area> areas_;
-  std::vector<FramePlane> planes_;
-};
-
-// --- the library and the camera in use -------------------------------------------------------------------------------
-
-// Everything that must go in the right order, and that frames keep alive.
-struct Session {
-  libcamera::CameraManager manager;
-  std::shared_ptr<libcamera::Camera> camera;
-  std::unique_ptr<libcamera::CameraConfiguration> configuration;
-  std::unique_ptr<libcamera::FrameBufferAllocator> allocator;
-  std::map<const libcamera::FrameBuffer*, std::unique_ptr<MappedBuffer>> mapped;
-  std::vector<std::unique_ptr<libcamera::Request>> requests;
-  int generation = 0;  // of the requests; frames of an earlier one may still be held, and give nothing back
-  CompletedRequests completed;
-  libcamera::ControlList pending_controls;  // for the next request
-  bool running = false;
-
-  Session() {
-    ::setenv("LIBCAMERA_LOG_LEVELS", "WARN", 0);  // what it says of itself belongs in nobody's log
-    if (manager.start() != 0)
-      throw std::runtime_error("libcamera cannot start; are the camera's device files readable?");
-  }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-  ~Session() {
-    stop();
-    requests.clear();
-    mapped.clear();
-    allocator.reset();
-    configuration.reset();
-    if (camera) camera->release();
-    camera.reset();
-    manager.stop();
-  }
-
-  void stop() {
-    if (!std::exchange(running, false)) return;
-    camera->stop();  // completes what is queued as cancelled, before it returns
-    completed.clear();
-  }
-
-  void give_back(libcamera::Request* request, int its_generation) {
-    if (!running || its_generation != generation) return;
-    request->reuse(libcamera::Request::ReuseBuffers);
-    request->controls() = std::exchange(pending_controls, libcamera::ControlList(libcamera::controls::controls));
-    camera->queueRequest(request);
-  }
-};
-
 std::shared_ptr<libcamera::Camera> find_camera(const libcamera::CameraManager& manager, const Url& url) {
   const auto cameras = manager.cameras();
   if (cameras.empty()) throw std::runtime_error("'" + url.text() + "': libcamera sees no camera; 'cam -l' lists them");
@@ -224,7 +66,7 @@ std::shared_ptr<libcamera::Camera> find_camera(const libcamera::CameraManager& m
 
 class LibcameraCamera final : public CameraDevice {
  public:
-  explicit LibcameraCamera(const Url& url) : session_(std::make_shared<Session>()) {
+  explicit LibcameraCamera(const Url& url) : session_(std::make_shared<LibcameraSession>()) {
     const ModeWish wish = wish_from(url);
     session_->camera = find_camera(session_->manager, url);
     if (session_->camera->acquire() != 0) {
@@ -417,7 +259,7 @@ class LibcameraCamera final : public CameraDevice {
     return planes;
   }
 
-  std::shared_ptr<Session> session_;
+  std::shared_ptr<LibcameraSession> session_;
   CameraMode mode_;
   int stride_ = 0;
 };
