@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace ldp::render {
+namespace ldp::view {
 namespace {
 
 constexpr int kSolidAlpha = 250;  // rounding of soft edges that cover each other leaves some pixels just under 255
@@ -136,4 +136,4 @@ double fill_background(const Plane<float>& inverse_z, RgbImage& colour, Plane<ui
   return static_cast<double>(holes) / static_cast<double>(std::max<size_t>(1, colour.samples.size()));
 }
 
-}  // namespace ldp::render
+}  // namespace ldp::view

@@ -7,10 +7,10 @@
 
 #include "core/base/plane.h"
 
-namespace ldp::render {
+namespace ldp::view {
 
 // Pixels with alpha below 255 are mixed with the background in that proportion. inverse_z: of every pixel, negative
 // where there is nothing. Gives the share of pixels that were holes (alpha below 128).
 double fill_background(const Plane<float>& inverse_z, RgbImage& colour, Plane<uint8_t>& alpha);
 
-}  // namespace ldp::render
+}  // namespace ldp::view

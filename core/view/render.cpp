@@ -30,7 +30,7 @@ void check(const Camera& camera) {
 
 Plane<float> depth_of(Plane<float> inverse_z) {
   for (float& z : inverse_z.samples) {
-    if (z == render::kNothing)
+    if (z == view::kNothing)
       z = 0;
     else
       z = z > 0 ? 1 / z : std::numeric_limits<float>::infinity();
@@ -39,15 +39,15 @@ Plane<float> depth_of(Plane<float> inverse_z) {
 }
 
 // inverse_z may be empty.
-void store(const render::StripTarget& strip, View& view, Plane<float>& inverse_z) {
+void store(const view::StripTarget& strip, View& rendered, Plane<float>& inverse_z) {
   for (int y = 0; y < strip.height; ++y) {
-    const size_t from = strip.pixel(strip.x0, y), to = view.colour.index(strip.x0, y);
+    const size_t from = strip.pixel(strip.x0, y), to = rendered.colour.index(strip.x0, y);
     for (size_t x = 0; x < static_cast<size_t>(strip.width); ++x) {
-      const render::Fragment& opaque = strip.opaque[from + x];
-      const render::Fragment shown = strip.first_soft[from + x] < 0 ? opaque : render::blend(strip, from + x);
-      view.colour.samples[to + x] = {static_cast<uint8_t>(shown.colour), static_cast<uint8_t>(shown.colour >> 8),
-                                     static_cast<uint8_t>(shown.colour >> 16)};
-      view.alpha.samples[to + x] = static_cast<uint8_t>(render::alpha_of(shown.colour));
+      const view::Fragment& opaque = strip.opaque[from + x];
+      const view::Fragment shown = strip.first_soft[from + x] < 0 ? opaque : view::blend(strip, from + x);
+      rendered.colour.samples[to + x] = {static_cast<uint8_t>(shown.colour), static_cast<uint8_t>(shown.colour >> 8),
+                                         static_cast<uint8_t>(shown.colour >> 16)};
+      rendered.alpha.samples[to + x] = static_cast<uint8_t>(view::alpha_of(shown.colour));
       if (!inverse_z.empty()) inverse_z.samples[to + x] = shown.inverse_z;
     }
   }
@@ -57,43 +57,43 @@ void store(const render::StripTarget& strip, View& view, Plane<float>& inverse_z
 
 struct Renderer::Prepared {
   PanoramaGrid grid;
-  render::Mesh mesh;
+  view::Mesh mesh;
 
-  ScratchPool<render::StripTarget> strips;
+  ScratchPool<view::StripTarget> strips;
 };
 
 Renderer::Renderer(const LayeredPanorama& panorama)
-    : prepared_(new Prepared{panorama.grid, render::build_mesh(panorama), {}}) {}
+    : prepared_(new Prepared{panorama.grid, view::build_mesh(panorama), {}}) {}
 
 Renderer::Renderer(LayeredPanorama&& panorama)
-    : prepared_(new Prepared{panorama.grid, render::build_mesh(std::move(panorama)), {}}) {}
+    : prepared_(new Prepared{panorama.grid, view::build_mesh(std::move(panorama)), {}}) {}
 
 Renderer::~Renderer() = default;
 
 View Renderer::render(const Camera& camera, const RenderOptions& options, const Job& job) const {
   check(camera);
   const Intrinsics& k = camera.intrinsics;
-  View view{RgbImage(k.width, k.height), Plane<uint8_t>(k.width, k.height), {}, 0};
+  View rendered{RgbImage(k.width, k.height), Plane<uint8_t>(k.width, k.height), {}, 0};
   Plane<float> inverse_z;
   if (options.depth || options.fill != Fill::none) inverse_z = Plane<float>(k.width, k.height);
-  const render::ViewFrustum frustum(prepared_->grid, prepared_->mesh.first_row, prepared_->mesh.rows, camera);
-  const render::Window window = frustum.window(0, k.width);
+  const view::ViewFrustum frustum(prepared_->grid, prepared_->mesh.first_row, prepared_->mesh.rows, camera);
+  const view::Window window = frustum.window(0, k.width);
   const bool all = options.layers >= prepared_->mesh.layers;
-  std::vector<const render::MeshTile*> tiles;
-  for (const render::MeshTile& tile : prepared_->mesh.tiles)
+  std::vector<const view::MeshTile*> tiles;
+  for (const view::MeshTile& tile : prepared_->mesh.tiles)
     if ((all || tile.layer < options.layers) && frustum.sees(tile, window)) tiles.push_back(&tile);
   const int strips = (k.width + kStripPx - 1) / kStripPx;
   parallel_for(job, strips, [&](int i) {
     auto strip = prepared_->strips.take();
     strip->clear(i * kStripPx, std::min(kStripPx, k.width - i * kStripPx), k.height);
-    render::draw(tiles, frustum, *strip);
-    store(*strip, view, inverse_z);
+    view::draw(tiles, frustum, *strip);
+    store(*strip, rendered, inverse_z);
     prepared_->strips.give_back(std::move(strip));
   });
   if (options.fill == Fill::background)
-    view.invented_share = render::fill_background(inverse_z, view.colour, view.alpha);
-  if (options.depth) view.depth = depth_of(std::move(inverse_z));
-  return view;
+    rendered.invented_share = view::fill_background(inverse_z, rendered.colour, rendered.alpha);
+  if (options.depth) rendered.depth = depth_of(std::move(inverse_z));
+  return rendered;
 }
 
 }  // namespace ldp

@@ -11,7 +11,7 @@
 
 #include "core/base/plane.h"
 
-namespace ldp::render::kernels {
+namespace ldp::view::kernels {
 namespace {
 
 // A lattice of vertices that jitter around a grid of `pitch` sub-pixels, without folds; at multiples of `step`.
@@ -205,4 +205,4 @@ TEST(RenderKernelsAtHand, project_the_same_at_every_number_of_vertices) {
 }
 
 }  // namespace
-}  // namespace ldp::render::kernels
+}  // namespace ldp::view::kernels

@@ -5,7 +5,7 @@
 
 #include "core/base/exact_math.h"
 
-namespace ldp::render {
+namespace ldp::view {
 namespace {
 
 constexpr double kInsidePx = 10;     // px; nearer to a photograph's border depths are unsure
@@ -156,4 +156,4 @@ std::vector<PreparedLayer> extend_beyond_frames(const PreparedLayer& front, cons
   return made;
 }
 
-}  // namespace ldp::render
+}  // namespace ldp::view

@@ -11,11 +11,11 @@
 #include "core/panorama/panorama.h"
 #include "core/view/mesh/prepared_layer.h"
 
-namespace ldp::render {
+namespace ldp::view {
 
 // A layer of rows for each end of the columns at which anything goes on. `front`: of `panorama`, whose own layers are
 // not looked at; without cameras in it nothing is made up.
 std::vector<PreparedLayer> extend_beyond_frames(const PreparedLayer& front, const CodedDepths& depths,
                                                 const LayeredPanorama& panorama, float parallax);
 
-}  // namespace ldp::render
+}  // namespace ldp::view

@@ -15,7 +15,7 @@
 #include "core/view/mesh/torn_quads.h"
 #include "core/view/mesh/underlay.h"
 
-namespace ldp::render {
+namespace ldp::view {
 namespace {
 
 // What a slanted surface may change from one pixel to the next: a share of its inverse depth (a surface seen at 88.5
@@ -138,7 +138,7 @@ class Builder {
   Corner corner(int layer, int x, int y) const;
   std::array<int, 4> group(const Corners& corners) const;
   bool connected(const Corner& a, const Corner& b) const {
-    return render::connected(a.code_w, a.step, b.code_w, b.step, parallax_);
+    return view::connected(a.code_w, a.step, b.code_w, b.step, parallax_);
   }
 
   PanoramaGrid grid_;
@@ -343,4 +343,4 @@ Mesh build_mesh(LayeredPanorama&& panorama) {
   return builder.build(panorama);
 }
 
-}  // namespace ldp::render
+}  // namespace ldp::view

@@ -18,7 +18,7 @@
 #include "core/panorama/panorama.h"
 #include "core/view/raster/raster_kernels.h"
 
-namespace ldp::render {
+namespace ldp::view {
 
 constexpr int kTilePx = kRowQuads;          // quads per tile side; a row of a tile is one 32-bit mask
 constexpr int kTileVertices = kTilePx + 1;  // vertices per tile side
@@ -74,4 +74,4 @@ struct Mesh {
 Mesh build_mesh(const LayeredPanorama& panorama);
 Mesh build_mesh(LayeredPanorama&& panorama);  // the same; lets go of each layer while the next is prepared
 
-}  // namespace ldp::render
+}  // namespace ldp::view

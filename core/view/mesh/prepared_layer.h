@@ -10,7 +10,7 @@
 #include "core/geometry/geometry.h"
 #include "core/view/mesh/mesh.h"
 
-namespace ldp::render {
+namespace ldp::view {
 
 // One column wider than the panorama if that wraps: the last one is the first one again.
 struct PreparedLayer {
@@ -38,4 +38,4 @@ class CodedDepths {
 // `parallax`: what a very slanted surface may change from pixel to pixel, beside a share of its inverse depth.
 bool connected(float a, float a_step, float b, float b_step, float parallax);
 
-}  // namespace ldp::render
+}  // namespace ldp::view

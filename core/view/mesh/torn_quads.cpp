@@ -4,7 +4,7 @@
 #include <iterator>
 #include <limits>
 
-namespace ldp::render {
+namespace ldp::view {
 namespace {
 
 int group_of(const TornQuad& quad) {
@@ -59,4 +59,4 @@ void store_torn(std::vector<TornQuad> quads, MeshTile& tile) {
   tile.torn_vertices.shrink_to_fit();
 }
 
-}  // namespace ldp::render
+}  // namespace ldp::view

@@ -5,7 +5,7 @@
 
 #include "core/view/mesh/mesh.h"
 
-namespace ldp::render {
+namespace ldp::view {
 
 struct TornQuad {
   TornVertex corners[4];  // (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)
@@ -14,4 +14,4 @@ struct TornQuad {
 // Into tile.torn and what belongs to it.
 void store_torn(std::vector<TornQuad> quads, MeshTile& tile);
 
-}  // namespace ldp::render
+}  // namespace ldp::view

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace ldp::render {
+namespace ldp::view {
 namespace {
 
 constexpr int kReachPx = 20;
@@ -155,4 +155,4 @@ PreparedLayer make_underlay(const std::vector<PreparedLayer>& layers, const Code
   return Grower(deepest_of(layers), depths, wraps, parallax).grow();
 }
 
-}  // namespace ldp::render
+}  // namespace ldp::view

@@ -7,10 +7,10 @@
 
 #include "core/view/mesh/prepared_layer.h"
 
-namespace ldp::render {
+namespace ldp::view {
 
 // Layers of one size, at least one. `wraps`: the last column is the first one again. Colours are those of the edge.
 PreparedLayer make_underlay(const std::vector<PreparedLayer>& layers, const CodedDepths& depths, bool wraps,
                             float parallax);
 
-}  // namespace ldp::render
+}  // namespace ldp::view

@@ -5,7 +5,7 @@
 
 #include "core/view/raster/raster.h"
 
-namespace ldp::render {
+namespace ldp::view {
 namespace {
 
 float smaller(float a, float b) { return a < b ? a : b; }
@@ -60,4 +60,4 @@ bool Occlusion::hides(int x0, int x1, int y0, int y1, float nearest) const {
   return true;
 }
 
-}  // namespace ldp::render
+}  // namespace ldp::view

@@ -6,7 +6,7 @@
 
 #include "core/view/raster/view_frustum.h"
 
-namespace ldp::render {
+namespace ldp::view {
 
 struct StripTarget;
 
@@ -27,4 +27,4 @@ class Occlusion {
   std::vector<float> farthest_;
 };
 
-}  // namespace ldp::render
+}  // namespace ldp::view

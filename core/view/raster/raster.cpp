@@ -9,7 +9,7 @@
 #include "core/view/raster/occlusion.h"
 #include "core/view/raster/raster_kernels.h"
 
-namespace ldp::render {
+namespace ldp::view {
 namespace {
 
 constexpr uint32_t kAllCells = (1U << kCells) - 1;
@@ -332,4 +332,4 @@ Fragment blend(const StripTarget& target, size_t pixel) {
   return result;
 }
 
-}  // namespace ldp::render
+}  // namespace ldp::view

@@ -9,7 +9,7 @@
 #include "core/view/raster/raster_kernels.h"
 #include "core/view/raster/view_frustum.h"
 
-namespace ldp::render {
+namespace ldp::view {
 
 struct SoftFragment {
   Fragment fragment;
@@ -35,4 +35,4 @@ void draw(const std::vector<const MeshTile*>& tiles, const ViewFrustum& frustum,
 // one half.
 Fragment blend(const StripTarget& target, size_t pixel);
 
-}  // namespace ldp::render
+}  // namespace ldp::view

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace ldp::render {
+namespace ldp::view {
 
 // Colour and opacity: r | g << 8 | b << 16 | a << 24.
 using Rgba = uint32_t;
@@ -117,4 +117,4 @@ const Kernels& best();   // for the processor at hand
 const Kernels& plain();  // for the base instruction set; the same bytes
 
 }  // namespace kernels
-}  // namespace ldp::render
+}  // namespace ldp::view

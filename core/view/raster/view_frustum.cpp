@@ -7,7 +7,7 @@
 #include "core/base/exact_math.h"
 #include "core/geometry/voxel_projection.h"
 
-namespace ldp::render {
+namespace ldp::view {
 namespace {
 
 // The largest squared radius up to which the radial distortion grows with the radius.
@@ -171,4 +171,4 @@ void ViewFrustum::project_scattered(int count, const int* x, const int* y, const
   kernels_.project({ax, ay, az, bx, by, bz}, {0, 0, 0}, w, lens_, count, 0, out);
 }
 
-}  // namespace ldp::render
+}  // namespace ldp::view

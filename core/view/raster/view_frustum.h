@@ -12,7 +12,7 @@
 #include "core/view/mesh/mesh.h"
 #include "core/view/raster/raster_kernels.h"
 
-namespace ldp::render {
+namespace ldp::view {
 
 using kernels::ScreenRow;
 
@@ -56,4 +56,4 @@ class ViewFrustum {
   float bulge_ = 0, cell_bulge_ = 0;  // how far an arc of a tile's, of a cell's width rises over its chord, in radii
 };
 
-}  // namespace ldp::render
+}  // namespace ldp::view
