@@ -18,7 +18,7 @@ constexpr int kFewestPhotos = 3;
 // Bytes, with a unit where one follows.
 std::string read_memory_size(std::string& text) {
   const size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
-  const std::string refusal = "'" + text + "' is not a size such as 128M or 1G, nor 0 for full detail";
+  std::string refusal = "'" + text + "' is not a size such as 128M or 1G, nor 0 for full detail";
   if (digits == 0 || text.find_first_of("-+. \t0123456789", digits) != std::string::npos) return refusal;
   try {
     CLI::AsSizeValue(false)(text);

@@ -36,7 +36,8 @@ Rgb mean_of_neighbours(const Tile& tile, int x, int y) {
     r += c.r, g += c.g, b += c.b, ++count;
   };
   add(x - 1, y), add(x + 1, y), add(x, y - 1), add(x, y + 1);
-  const auto mean = [count](int sum) { return static_cast<uint8_t>((sum + count / 2) / count); };
+  const int neighbours = std::max(count, 1);  // two at least
+  const auto mean = [neighbours](int sum) { return static_cast<uint8_t>((sum + neighbours / 2) / neighbours); };
   return {mean(r), mean(g), mean(b)};
 }
 
