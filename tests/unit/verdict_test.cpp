@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/verdict/expectation.h"
@@ -224,6 +225,14 @@ TEST(Judge, WorseEvidenceNeverRaisesTheExpectation) {
             clean - 3);
 }
 
+TEST(Judge, AJumpOfExposureIsAgainstThePhotoBefore) {
+  SweepEvidence evidence;
+  evidence.photos.resize(5);
+  for (size_t i = 0; i < 5; ++i) evidence.photos[i].gain = std::array{1.0, 4.0, 2.0, 2.0, 0.0}[i];
+  const std::array<double, 5> jumps = {0, 2, 1, 0, 0};
+  for (size_t i = 0; i < 5; ++i) EXPECT_NEAR(exposure_jump(evidence, i), jumps[i], 1e-9) << i;
+}
+
 TEST(Judge, NoPhotosGiveNoReasons) { EXPECT_EQ(judge(SweepEvidence{}), SweepQuality{}); }
 
 TEST(SweepQuality, FiguresOfAFileGiveItBack) {
@@ -380,6 +389,18 @@ SweepEvidence flow_of(const Eigen::Vector3d& way) {
   evidence.photos.resize(3);
   measure_flow(points, sightings, cameras, evidence);
   return evidence;
+}
+
+TEST(TrackFlow, TheShiftIsTheMeanWayOfThePoints) {
+  const SweepEvidence aside = flow_of({0.1, 0, 0});
+  double mean_inverse_depth = 0;
+  for (int i = 0; i < 60; ++i) mean_inverse_depth += 1.0 / (2 + i % 7) / 60;
+  const Intrinsics k = outward_camera(0).intrinsics;
+  for (size_t i = 1; i < 3; ++i) {
+    EXPECT_EQ(aside.photos[i].shared_points, 60);
+    EXPECT_NEAR(aside.photos[i].shift, 0.1 * mean_inverse_depth * k.fx / k.width, 1e-9);
+  }
+  EXPECT_EQ(aside.photos[0].shift, 0);
 }
 
 TEST(TrackFlow, AStepForwardPointsOutwardAndAStepAsideDoesNot) {
