@@ -6,7 +6,6 @@ namespace ldp::consistency {
 namespace {
 
 constexpr int kUnits = 16;
-constexpr double kMostShare = 0.32;  // of the panorama's columns that are made a mesh at once
 
 void even_exposure(const Gain& gain, RgbImage& photo) {
   if (gain == Gain{1, 1, 1}) return;
@@ -21,20 +20,15 @@ void even_exposure(const Gain& gain, RgbImage& photo) {
 }  // namespace
 
 RenderedPhotos::RenderedPhotos(const Evidence& evidence, const LayeredPanorama& panorama)
-    : evidence_(evidence), panorama_(panorama), groups_(group_cameras(panorama.grid, panorama.cameras, kMostShare)) {}
+    : evidence_(evidence), panorama_(panorama), renderer_(panorama) {}
 
 RenderedPhoto RenderedPhotos::take(size_t camera, const Job& job, Observer* observer) {
-  const auto group = std::find_if(groups_.begin(), groups_.end(), [&](const auto& g) { return g.begin == camera; });
-  if (group != groups_.end()) {
-    renderer_.reset();
-    renderer_.emplace(cut_out(panorama_, group->section));
-  }
   RenderedPhoto taken{evidence_.frames.load(evidence_.frame_of_camera[camera]), {}};
   if (observer != nullptr) observer->taken(camera, taken.photo);
   even_exposure(evidence_.gains[camera], taken.photo);
   RenderOptions options;
   options.depth = true;
-  taken.view = renderer_->render(panorama_.cameras[camera], options, job);
+  taken.view = renderer_.render(panorama_.cameras[camera], options, job);
   return taken;
 }
 

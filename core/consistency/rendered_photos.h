@@ -2,14 +2,12 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
-#include <vector>
 
 #include "core/base/job.h"
 #include "core/consistency/consistency.h"
-#include "core/consistency/section.h"
 #include "core/panorama/panorama.h"
 #include "core/view/render.h"
+#include "core/view/strip_renderer.h"
 
 namespace ldp::consistency {
 
@@ -29,8 +27,7 @@ class RenderedPhotos {
  private:
   const Evidence& evidence_;
   const LayeredPanorama& panorama_;
-  std::vector<CameraGroup> groups_;
-  std::optional<Renderer> renderer_;  // of the group of the camera taken last
+  StripRenderer renderer_;
 };
 
 }  // namespace ldp::consistency

@@ -6,11 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "core/base/scratch_pool.h"
+#include "core/view/draw_view.h"
 #include "core/view/inpainting.h"
-#include "core/view/mesh/mesh.h"
-#include "core/view/raster/raster.h"
-#include "core/view/raster/view_frustum.h"
 
 namespace ldp {
 namespace {
@@ -18,7 +15,9 @@ namespace {
 constexpr int kStripPx = 200;  // few tiles cross strips, and a strip's buffers still fit a cache
 constexpr int kMaxViewSide = 1 << 14;
 
-void check(const Camera& camera) {
+}  // namespace
+
+void view::check_camera(const Camera& camera) {
   const Intrinsics& k = camera.intrinsics;
   const auto size = std::to_string(k.width) + "x" + std::to_string(k.height);
   if (k.width < 1 || k.height < 1 || k.width > kMaxViewSide || k.height > kMaxViewSide)
@@ -27,6 +26,8 @@ void check(const Camera& camera) {
   if (!(k.fx > 0) || !(k.fy > 0))
     throw std::runtime_error("render: view \"" + camera.name + "\" needs positive focal lengths fl_x, fl_y");
 }
+
+namespace {
 
 Plane<float> depth_of(Plane<float> inverse_z) {
   for (float& z : inverse_z.samples) {
@@ -71,27 +72,36 @@ Renderer::Renderer(LayeredPanorama&& panorama)
 Renderer::~Renderer() = default;
 
 View Renderer::render(const Camera& camera, const RenderOptions& options, const Job& job) const {
-  check(camera);
+  view::check_camera(camera);
+  const view::Mesh& mesh = prepared_->mesh;
+  const bool all = options.layers >= mesh.layers;
+  std::vector<const view::MeshTile*> tiles;
+  for (const view::MeshTile& tile : mesh.tiles)
+    if (all || tile.layer < options.layers) tiles.push_back(&tile);
+  const view::ViewFrustum frustum(prepared_->grid, mesh.first_row, mesh.rows, camera);
+  return view::draw_view(tiles, frustum, camera, options, prepared_->strips, job);
+}
+
+View view::draw_view(const std::vector<const MeshTile*>& tiles, const ViewFrustum& frustum, const Camera& camera,
+                     const RenderOptions& options, ScratchPool<StripTarget>& strip_pool, const Job& job) {
   const Intrinsics& k = camera.intrinsics;
   View rendered{RgbImage(k.width, k.height), Plane<uint8_t>(k.width, k.height), {}, 0};
   Plane<float> inverse_z;
   if (options.depth || options.fill != Fill::none) inverse_z = Plane<float>(k.width, k.height);
-  const view::ViewFrustum frustum(prepared_->grid, prepared_->mesh.first_row, prepared_->mesh.rows, camera);
-  const view::Window window = frustum.window(0, k.width);
-  const bool all = options.layers >= prepared_->mesh.layers;
-  std::vector<const view::MeshTile*> tiles;
-  for (const view::MeshTile& tile : prepared_->mesh.tiles)
-    if ((all || tile.layer < options.layers) && frustum.sees(tile, window)) tiles.push_back(&tile);
+  const Window window = frustum.window(0, k.width);
+  std::vector<const MeshTile*> seen;
+  for (const MeshTile* tile : tiles)
+    if (frustum.sees(*tile, window)) seen.push_back(tile);
   const int strips = (k.width + kStripPx - 1) / kStripPx;
   parallel_for(job, strips, [&](int i) {
-    auto strip = prepared_->strips.take();
+    auto strip = strip_pool.take();
     strip->clear(i * kStripPx, std::min(kStripPx, k.width - i * kStripPx), k.height);
-    view::draw(tiles, frustum, *strip);
+    draw(seen, frustum, *strip);
     store(*strip, rendered, inverse_z);
-    prepared_->strips.give_back(std::move(strip));
+    strip_pool.give_back(std::move(strip));
   });
   if (options.fill == Fill::background)
-    rendered.invented_share = view::fill_background(inverse_z, rendered.colour, rendered.alpha);
+    rendered.invented_share = fill_background(inverse_z, rendered.colour, rendered.alpha);
   if (options.depth) rendered.depth = depth_of(std::move(inverse_z));
   return rendered;
 }

@@ -125,12 +125,13 @@ class Builder {
  public:
   explicit Builder(const PanoramaGrid& grid);
   void add(const Layer& layer);  // front to back
-  Mesh build(const LayeredPanorama& panorama);
+  Mesh build(const LayeredPanorama& panorama, int begin, int end, const Job& job);
+  int quads_across() const { return grid_.wraps ? grid_.width : grid_.width - 1; }
 
  private:
   void add_made_up(const LayeredPanorama& panorama);
-  void add_tiles(int layer, Mesh& mesh) const;
-  MeshTile build_tile(int layer, int x0, int y0) const;
+  void add_tiles(int layer, int begin, int end, const Job& job, Mesh& mesh) const;
+  MeshTile build_tile(int layer, int x0, int y0, int x_end) const;
   void build_quad(MeshTile& tile, std::vector<TornQuad>& torn, int x, int y) const;
   void copy_vertices(MeshTile& tile) const;
   TornQuad torn_quad(const MeshTile& tile, const std::array<int, 4>& surface, int wanted, int x, int y) const;
@@ -238,8 +239,8 @@ void Builder::build_quad(MeshTile& tile, std::vector<TornQuad>& torn, int x, int
 
 void Builder::copy_vertices(MeshTile& tile) const {
   const PreparedLayer& from = layers_[static_cast<size_t>(tile.layer)];
-  tile.w.assign(kTileVertices * kTileVertices, kAbsent);
-  tile.colour.assign(kTileVertices * kTileVertices, 0);
+  tile.w.assign(size_t{kTileVertices} * kTileVertices, kAbsent);
+  tile.colour.assign(size_t{kTileVertices} * kTileVertices, 0);
   const int y0 = tile.y0 - from.top;
   for (int y = 0; y < std::min(kTileVertices, from.w.height - y0); ++y)
     for (int x = 0; x < std::min(kTileVertices, from.w.width - tile.x0); ++x) {
@@ -268,12 +269,12 @@ void find_ranges(MeshTile& tile, const std::vector<TornQuad>& torn) {
   tile.w_max = *std::max_element(tile.cell_w_max, tile.cell_w_max + kCells);
 }
 
-MeshTile Builder::build_tile(int layer, int x0, int y0) const {
+MeshTile Builder::build_tile(int layer, int x0, int y0, int x_end) const {
   MeshTile tile;
   tile.layer = layer;
   tile.x0 = x0;
   tile.y0 = y0;
-  const int x1 = std::min(x0 + kTilePx, grid_.wraps ? grid_.width : grid_.width - 1);
+  const int x1 = std::min(x0 + kTilePx, x_end);
   const PreparedLayer& from = layers_[static_cast<size_t>(layer)];
   const int y1 = std::min(y0 + kTilePx, from.top + from.w.height - 1);
   std::vector<TornQuad> torn;
@@ -293,27 +294,30 @@ void Builder::add_made_up(const LayeredPanorama& panorama) {
   for (PreparedLayer& layer : beyond) layers_.push_back(std::move(layer));
 }
 
-void Builder::add_tiles(int layer, Mesh& mesh) const {
+void Builder::add_tiles(int layer, int begin, int end, const Job& job, Mesh& mesh) const {
   const PreparedLayer& from = layers_[static_cast<size_t>(layer)];
-  for (int y0 = from.top; y0 + 1 < from.top + from.w.height; y0 += kTilePx)
-    for (int x0 = 0; x0 < (grid_.wraps ? grid_.width : grid_.width - 1); x0 += kTilePx) {
-      MeshTile tile = build_tile(layer, x0, y0);
-      tile.y0 -= mesh.first_row;
-      if (!tile.w.empty() || !tile.torn.empty()) mesh.tiles.push_back(std::move(tile));
-    }
+  const int across = (end - begin + kTilePx - 1) / kTilePx, down = (from.w.height - 1 + kTilePx - 1) / kTilePx;
+  std::vector<MeshTile> tiles(static_cast<size_t>(std::max(0, across * down)));
+  parallel_for(job, static_cast<int>(tiles.size()), [&](int i) {
+    MeshTile tile = build_tile(layer, begin + i % across * kTilePx, from.top + i / across * kTilePx, end);
+    tile.y0 -= mesh.first_row;
+    tiles[static_cast<size_t>(i)] = std::move(tile);
+  });
+  for (MeshTile& tile : tiles)
+    if (!tile.w.empty() || !tile.torn.empty()) mesh.tiles.push_back(std::move(tile));
 }
 
-Mesh Builder::build(const LayeredPanorama& panorama) {
+Mesh Builder::build(const LayeredPanorama& panorama, int begin, int end, const Job& job) {
   Mesh mesh;
   mesh.layers = static_cast<int>(layers_.size());
   if (!layers_.empty()) add_made_up(panorama);
-  int end = grid_.height;
+  int end_row = grid_.height;
   for (const PreparedLayer& layer : layers_) {
     mesh.first_row = std::min(mesh.first_row, layer.top);
-    end = std::max(end, layer.top + layer.w.height);
+    end_row = std::max(end_row, layer.top + layer.w.height);
   }
-  mesh.rows = end - mesh.first_row;
-  for (int layer = 0; layer < static_cast<int>(layers_.size()); ++layer) add_tiles(layer, mesh);
+  mesh.rows = end_row - mesh.first_row;
+  for (int layer = 0; layer < static_cast<int>(layers_.size()); ++layer) add_tiles(layer, begin, end, job, mesh);
   return mesh;
 }
 
@@ -332,15 +336,19 @@ bool connected(float a, float a_step, float b, float b_step, float parallax) {
 }
 
 Mesh build_mesh(const LayeredPanorama& panorama) {
+  return build_mesh(panorama, 0, std::numeric_limits<int>::max(), {});
+}
+
+Mesh build_mesh(const LayeredPanorama& panorama, int begin, int end, const Job& job) {
   Builder builder(panorama.grid);
   for (const Layer& layer : panorama.layers) builder.add(layer);
-  return builder.build(panorama);
+  return builder.build(panorama, begin, std::min(end, builder.quads_across()), job);
 }
 
 Mesh build_mesh(LayeredPanorama&& panorama) {
   Builder builder(panorama.grid);
   for (Layer& layer : panorama.layers) builder.add(std::exchange(layer, {}));
-  return builder.build(panorama);
+  return builder.build(panorama, 0, builder.quads_across(), {});
 }
 
 }  // namespace ldp::view

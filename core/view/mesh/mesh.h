@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/job.h"
 #include "core/panorama/panorama.h"
 #include "core/view/raster/raster_kernels.h"
 
@@ -72,6 +73,8 @@ struct Mesh {
 };
 
 Mesh build_mesh(const LayeredPanorama& panorama);
+// Only of the quads whose left columns are [begin, end).
+Mesh build_mesh(const LayeredPanorama& panorama, int begin, int end, const Job& job);
 Mesh build_mesh(LayeredPanorama&& panorama);  // the same; lets go of each layer while the next is prepared
 
 }  // namespace ldp::view
