@@ -11,7 +11,7 @@
 
 #include "drivers/interface/errors.h"
 #include "drivers/interface/unique_fd.h"
-#include "drivers/v4l2/v4l2_offers.h"
+#include "drivers/v4l2/v4l2_ioctl.h"
 
 namespace ldp::v4l2 {
 

@@ -15,6 +15,7 @@
 #include "drivers/interface/errors.h"
 #include "drivers/v4l2/v4l2_buffers.h"
 #include "drivers/v4l2/v4l2_controls.h"
+#include "drivers/v4l2/v4l2_ioctl.h"
 #include "drivers/v4l2/v4l2_offers.h"
 #include "drivers/v4l2_modes.h"
 

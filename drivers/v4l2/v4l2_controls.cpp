@@ -2,7 +2,7 @@
 
 #include <linux/videodev2.h>
 
-#include "drivers/v4l2/v4l2_offers.h"
+#include "drivers/v4l2/v4l2_ioctl.h"
 
 namespace ldp::v4l2 {
 namespace {

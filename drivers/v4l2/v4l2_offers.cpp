@@ -1,11 +1,10 @@
 #include "drivers/v4l2/v4l2_offers.h"
 
-#include <sys/ioctl.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
+
+#include "drivers/v4l2/v4l2_ioctl.h"
 
 namespace ldp::v4l2 {
 namespace {
@@ -76,14 +75,6 @@ void add_sizes(int fd, uint32_t code, const ModeWish& wish, std::vector<Offer>& 
 }
 
 }  // namespace
-
-int call(int fd, unsigned long request, void* argument) {
-  int result = 0;
-  do {
-    result = ::ioctl(fd, request, argument);
-  } while (result != 0 && errno == EINTR);
-  return result;
-}
 
 std::optional<PixelFormat> format_from(uint32_t code) {
   for (const FourCc& known : kFourCcs) {

@@ -17,9 +17,6 @@ struct Offer {
   uint32_t code = 0;  // of the pixel format, the kernel's
 };
 
-// ioctl, repeated where a signal interrupts it; errno says why it is not 0.
-int call(int fd, unsigned long request, void* argument);
-
 std::optional<PixelFormat> format_from(uint32_t code);
 
 // 0 where the driver does not say.

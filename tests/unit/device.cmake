@@ -10,4 +10,7 @@ ldp_test(config_test SOURCES config_test.cpp USES ldp_service ldp_backends ldp_h
 if(LDP_DRIVERS)
   find_package(LCMLean REQUIRED)
   ldp_test(lcm_test SOURCES lcm_test.cpp NATIVE_ONLY Stranger.* USES ldp_backends ldp_hardware LCMLean::lcm)
+  if(NOT CMAKE_CROSSCOMPILING)  # there all tests are one program, which keeps the kernel's calls
+    ldp_test(v4l2_test SOURCES v4l2_test.cpp USES ldp_drivers)
+  endif()
 endif()
