@@ -22,7 +22,6 @@ int effort(PixelFormat format) {
     case PixelFormat::yuyv:
       return 2;
     case PixelFormat::rgb24:
-      return 3;
     case PixelFormat::bgr24:
       return 3;
   }

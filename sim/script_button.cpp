@@ -25,8 +25,9 @@ std::vector<ButtonEvent> parse_script(const std::string& file, int64_t start_ns)
       } else if (word == "wait" && words >> wait_ms && wait_ms >= 0 && wait_ms < 1e9) {
         now_ns += static_cast<int64_t>(wait_ms * 1e6);
       } else {
-        throw std::runtime_error(file + ":" + std::to_string(line_number) + ": '" + word +
-                                 "' is not press, release or wait MILLISECONDS");
+        std::string refusal = file;
+        refusal.append(":").append(std::to_string(line_number)).append(": '").append(word);
+        throw std::runtime_error(refusal.append("' is not press, release or wait MILLISECONDS"));
       }
     }
   }

@@ -59,7 +59,8 @@ struct Voxel {
 
   bool seen_by(int photo) const {
     const int offset = photo - source;
-    return offset == 0 || (std::abs(offset) <= kViewsAside && (neighbours >> neighbour_bit(offset) & 1) != 0);
+    if (offset == 0) return true;
+    return -kViewsAside <= offset && offset <= kViewsAside && (neighbours >> neighbour_bit(offset) & 1) != 0;
   }
 };
 

@@ -65,7 +65,7 @@ double plain_noise(const RgbImage& photo, const Rendering& rendering) {
   return 0;
 }
 
-Classifier::Classifier(const Held& own, const Rendering& rendering, std::vector<const Held*> beside,
+Classifier::Classifier(const Held& own, const Rendering& rendering, const std::vector<const Held*>& beside,
                        double most_inverse_z, int tolerance, int most_depths)
     : own_(own),
       rendering_(rendering),
@@ -95,7 +95,7 @@ ResidualStatistics Classifier::cell(int x0, int y0, Plane<uint8_t>& map) const {
       const bool hole = rendering_.alpha.at(x, y) < kOpaque;
       const auto a = channels(own_.photo.at(x, y)),
                  b = hole ? std::array{128, 128, 128} : channels(rendering_.colour.at(x, y));
-      for (size_t k = 0; k < 3; ++k) sums.squared_difference += (a[k] - b[k]) * (a[k] - b[k]);
+      for (size_t k = 0; k < 3; ++k) sums.squared_difference += int64_t{a[k] - b[k]} * (a[k] - b[k]);
       sums.holes += hole;
       ++sums.pixels;
       if (x % kEvery != 0 || y % kEvery != 0) continue;

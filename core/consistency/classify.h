@@ -19,7 +19,7 @@ double plain_noise(const RgbImage& photo, const Rendering& rendering);
 class Classifier {
  public:
   // `beside` are the photographs that are asked. `most_inverse_z`: of the depths that are tried.
-  Classifier(const Held& own, const Rendering& rendering, std::vector<const Held*> beside, double most_inverse_z,
+  Classifier(const Held& own, const Rendering& rendering, const std::vector<const Held*>& beside, double most_inverse_z,
              int tolerance, int most_depths);
 
   // Of one cell: its statistics, and every second of its pixels in `map`, which is half as large as the photograph.

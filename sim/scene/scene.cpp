@@ -119,7 +119,6 @@ Eigen::Vector2d face_position(const Object& object, const Vector3d& local, const
       if (std::abs(normal.y()) > 0.5) return {local.x(), local.z()};
       return {local.x(), local.y()};
     case Shape::cylinder:
-      return {std::atan2(local.y(), local.x()) * object.half.x(), local.z()};
     case Shape::ellipsoid:
       return {std::atan2(local.y(), local.x()) * object.half.x(), local.z()};
     case Shape::quad:

@@ -136,7 +136,7 @@ Vector3f facade(const Material& m, const TexturePoint& p) {
   const auto column = static_cast<int64_t>(std::floor(u)), row = static_cast<int64_t>(std::floor(v));
   const double s = std::abs(u - static_cast<double>(column) - 0.5), t = std::abs(v - static_cast<double>(row) - 0.55);
   const float noise = fractal_noise(p.local, 0.7 * cell, p.pixel_m, m.seed);
-  const Vector3f plaster = mix(m.dark, m.light, std::clamp(0.5F + 0.5F * noise, 0.0F, 1.0F));
+  Vector3f plaster = mix(m.dark, m.light, std::clamp(0.5F + 0.5F * noise, 0.0F, 1.0F));
   if (s < 0.2 && t < 0.27) {
     const bool bar = s < 0.015 || std::abs(t - 0.05) < 0.012 || s > 0.18 || t > 0.25;
     if (bar) return {0.55F, 0.53F, 0.48F};
