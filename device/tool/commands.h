@@ -19,7 +19,7 @@ struct Program {
 
 // A command whose `run` is called with the session when it was chosen. Adds the options that all commands have.
 CLI::App& add_command(Program& program, const std::string& name, const std::string& what,
-                      std::function<int(const Session&)> run);
+                      const std::function<int(const Session&)>& run);
 
 // All commands of this program: `ldp` itself, or `ldp-device`, which holds those that need camera and message libraries
 // and is run by `ldp` so that building and rendering do without them.

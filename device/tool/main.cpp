@@ -89,7 +89,7 @@ int run(const Program& program) {
 }  // namespace
 
 CLI::App& add_command(Program& program, const std::string& name, const std::string& what,
-                      std::function<int(const Session&)> run) {
+                      const std::function<int(const Session&)>& run) {
   CLI::App& command = *program.app.add_subcommand(name, what);
   command.add_option("--threads", program.session.threads, "Threads to use; 0 = one per processor")
       ->check(CLI::Range(0, 256));

@@ -12,6 +12,7 @@
 #include <random>
 
 #include "core/base/files.h"
+#include "core/photos/halved.h"
 
 namespace ldp {
 namespace {
@@ -219,6 +220,20 @@ TEST(Photo, ALargePhotoIsReadInTheSizeAskedFor) {
   for (int x = 10; x < 190; x += 20) EXPECT_NEAR(jpeg.image.at(x, 60).r, png.image.at(x, 60).r, 4);
   EXPECT_EQ(png.image.at(7, 9).g, (image.at(14, 18).g + image.at(14, 19).g + 1) / 2);
   EXPECT_THAT(message_of([&] { read_photo(folder / "a.jpg", 100); }), HasSubstr("cannot be reduced to 100 pixels"));
+}
+
+TEST(Halved, EachPixelIsTheMeanOfFourWithoutAnOddLastRowOrColumn) {
+  GreyImage image(5, 5);
+  for (size_t i = 0; i < image.samples.size(); ++i) image.samples[i] = static_cast<uint8_t>(i * i % 251);
+  const GreyImage half = halved(image);
+  ASSERT_EQ(half.width, 2);
+  ASSERT_EQ(half.height, 2);
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 2; ++x) {
+      const int sum = image.at(2 * x, 2 * y) + image.at(2 * x + 1, 2 * y) + image.at(2 * x, 2 * y + 1) +
+                      image.at(2 * x + 1, 2 * y + 1);
+      EXPECT_EQ(half.at(x, y), (sum + 2) / 4) << x << " " << y;
+    }
 }
 
 TEST(Pfm, KeepsEveryValueAndRefusesEarlyEnds) {

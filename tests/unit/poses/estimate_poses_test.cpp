@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "sim/scene/picture.h"
@@ -158,6 +159,31 @@ TEST(EstimatePoses, GivesTheSameBytesAtAnyThreadCount) {
     job.threads = threads;
     EXPECT_TRUE(same_bytes(estimated(), estimate_poses(Photos(rendered(0.65).images), PosesOptions{}, job))) << threads;
   }
+}
+
+class HintedPhotos : public Photos {
+ public:
+  HintedPhotos(std::vector<RgbImage> images, std::vector<std::optional<double>> hints)
+      : Photos(std::move(images)), hints_(std::move(hints)) {}
+  std::optional<double> focal_hint(int i) const override { return hints_[static_cast<size_t>(i)]; }
+
+ private:
+  std::vector<std::optional<double>> hints_;
+};
+
+TEST(EstimatePoses, TakesTheMedianOfWhatThePhotosTellOfTheirLens) {
+  const std::vector<RgbImage>& images = rendered(0.65).images;
+  const Intrinsics& k = rendered(0.65).cameras[0].intrinsics;
+  const double longer_sides = k.fx / k.width, wrong = 0.4 * longer_sides;
+  const auto with = [&](const std::vector<std::optional<double>>& hints) {
+    return estimate_poses(HintedPhotos(images, hints), PosesOptions{}, Job{});
+  };
+  const Poses right = with(std::vector<std::optional<double>>(8, longer_sides));
+  EXPECT_NEAR(right.cameras[0].intrinsics.fx / k.fx, 1, 0.02);
+  EXPECT_FALSE(same_bytes(right, estimated())) << "the hints count";
+  const Poses median =
+      with({wrong, longer_sides, wrong, longer_sides, std::nullopt, wrong, longer_sides, longer_sides});
+  EXPECT_TRUE(same_bytes(right, median));
 }
 
 TEST(PoseEstimator, GivesTheSameBytesAsAllFramesAtOnceHoweverTheyArrive) {
