@@ -48,8 +48,11 @@ void check_stems(const std::vector<Camera>& cameras, const std::string& file) {
   for (const Camera& camera : cameras) {
     const std::string stem = fs::path(camera.name).stem().string();
     if (stem.empty()) throw BadInput(file + ": a frame has no file_path: name every frame, its view is named after it");
-    if (!stems.insert(stem).second)
-      throw BadInput(file + ": two frames are called " + stem + ": their views would overwrite each other");
+    if (!stems.insert(stem).second) {
+      std::string refusal = file;
+      refusal.append(": two frames are called ").append(stem);
+      throw BadInput(refusal.append(": their views would overwrite each other"));
+    }
   }
 }
 
@@ -140,7 +143,7 @@ void check(const RenderCommand& command) {
     if (command.options.depth) throw BadInput("--depth: a film has no depth: give a folder to -o");
     return check_output_file(command.output, OutputKind::film);
   }
-  OutputFolder(command.output, OutputFolder::Existing::merge);  // refused before the file is read
+  { const OutputFolder refused_before_the_file_is_read(command.output, OutputFolder::Existing::merge); }
   if (!command.path.empty()) refuse_longer_path(command);
 }
 
