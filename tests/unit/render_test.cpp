@@ -217,10 +217,19 @@ LayeredPanorama post_cut_by_frames(const std::vector<Camera>& photos) {
   return panorama;
 }
 
-TEST(Render, continues_near_surfaces_where_no_photo_could_show_their_end) {
+// From the arc, and a little aside on it.
+std::vector<Camera> two_photos() {
   const PanoramaGrid grid = make_grid(Rays::pushbroom, true);
-  const Camera on_arc = make_camera(grid, 0, {0.6, 0, 0});
-  const View view = Renderer(post_cut_by_frames({on_arc})).render(make_camera(grid, 0, {0.3, 0, 0}), with_depth());
+  return {make_camera(grid, 0, {0.6, 0, 0}), make_camera(grid, 0.05, {0.6 * std::cos(0.05), 0.6 * std::sin(0.05), 0})};
+}
+
+View from_further_back(const std::vector<Camera>& photos) {
+  const PanoramaGrid grid = make_grid(Rays::pushbroom, true);
+  return Renderer(post_cut_by_frames(photos)).render(make_camera(grid, 0, {0.3, 0, 0}), with_depth());
+}
+
+TEST(Render, continues_near_surfaces_where_no_photo_could_show_their_end) {
+  const View view = from_further_back(two_photos());
   for (int y = 0; y < view.colour.height; ++y) {
     EXPECT_EQ(view.colour.at(60, y), (Rgb{255, 255, 255})) << y;
     EXPECT_NEAR(view.depth.at(60, y), 0.8, 0.02) << y;
@@ -228,11 +237,16 @@ TEST(Render, continues_near_surfaces_where_no_photo_could_show_their_end) {
 }
 
 TEST(Render, ends_near_surfaces_where_a_photo_would_have_shown_more) {
-  const PanoramaGrid grid = make_grid(Rays::pushbroom, true);
-  const Camera on_arc = make_camera(grid, 0, {0.6, 0, 0}), up = make_camera(grid, 0, {0.6, 0, 0}, -0.4);
-  const View view = Renderer(post_cut_by_frames({on_arc, up})).render(make_camera(grid, 0, {0.3, 0, 0}), with_depth());
+  std::vector<Camera> photos = two_photos();
+  photos.push_back(make_camera(make_grid(Rays::pushbroom, true), 0, {0.6, 0, 0}, -0.4));
+  const View view = from_further_back(photos);
   EXPECT_NE(view.colour.at(60, 2), (Rgb{255, 255, 255}));                       // a photo looked there
   EXPECT_EQ(view.colour.at(60, view.colour.height - 2), (Rgb{255, 255, 255}));  // none did
+}
+
+TEST(Render, ends_near_surfaces_that_one_photo_alone_shows) {
+  const View view = from_further_back({two_photos().front()});
+  EXPECT_NE(view.colour.at(60, 2), (Rgb{255, 255, 255}));
 }
 
 TEST(Render, shows_the_background_beside_an_edge_and_nothing_stretched_between) {

@@ -8,16 +8,23 @@
 namespace ldp::view {
 namespace {
 
-constexpr double kInsidePx = 10;     // px; nearer to a photograph's border depths are unsure
-constexpr int kMostMirrored = 64;    // rows of a surface that its continuation shows again, there and back
-constexpr double kMostOfRows = 0.5;  // of the panorama's, that are made up at either end
+constexpr double kInsidePx = 10;   // nearer to a photograph's border depths are unsure
+constexpr int kWitnessedRows = 4;  // of a surface that goes on, which two photographs could show
+constexpr int kRowStep = 4;        // of the rows that are asked for that
+constexpr int kBridge = 64;        // columns to either side within which a surface that they do show stands by others
+constexpr float kBridgeShare = 0.1F;  // of its inverse depth by which the other may differ
+constexpr int kMostMirrored = 160;    // rows of a surface that its continuation shows again, there and back
+constexpr double kMostOfRows = 0.5;   // of the panorama's, that are made up at either end
 
-// Whether any photograph could show a place.
+// How many photographs could show a place.
 class Frames {
  public:
   explicit Frames(const std::vector<Camera>& cameras) : cameras_(cameras) {}
-  bool could_show(const Eigen::Vector3d& place) const {
-    return std::any_of(cameras_.begin(), cameras_.end(), [&](const Camera& camera) { return inside(camera, place); });
+  // Whether at least so many could.
+  bool showing(const Eigen::Vector3d& place, int least) const {
+    for (const Camera& camera : cameras_)
+      if (inside(camera, place) && --least == 0) return true;
+    return false;
   }
 
  private:
@@ -50,12 +57,14 @@ class End {
 
   PreparedLayer extended() {
     for (int x = 0; x < front_.w.width; ++x) extend_column(x);
+    drop_unwitnessed();
     return layer();
   }
 
  private:
   struct Piece {
     int x = 0, from = 0, rows = 0;  // from: the surface's own last row; rows beyond it
+    bool witnessed = false;
   };
 
   // Rows by which a camera within the viewing limits sees farther up (or down) at inverse depth w than one on the arc.
@@ -68,7 +77,7 @@ class End {
   void extend_column(int x) {
     for (int y = 0; y < grid_.height; ++y)
       if (ends(x, y))
-        if (const int rows = rows_beyond(x, y); rows > 0) pieces_.push_back({x, y, rows});
+        if (const int rows = rows_beyond(x, y); rows > 0) pieces_.push_back({x, y, rows, witnessed(x, y)});
   }
 
   bool ends(int x, int y) const {
@@ -93,14 +102,44 @@ class End {
     return rows;
   }
 
+  // Whether two photographs could show this surface, not only its end: what one alone shows may have any depth.
+  bool witnessed(int x, int y) const {
+    const double w = front_.w.at(x, y);
+    for (int i = 0, own = own_rows(x, y), rows = 0; i < own; i += kRowStep) {
+      if (frames_.showing(grid_.point(grid_.theta(x + 0.5), grid_.v(y - step_ * i + 0.5), w), 2)) rows += kRowStep;
+      if (rows >= kWitnessedRows) return true;
+    }
+    return false;
+  }
+
   int rows_beyond(int x, int y) const {
     const double w = front_.w.at(x, y);
     const int most = most_rows(w);
     int rows = 0;
     while (rows < most &&
-           !frames_.could_show(grid_.point(grid_.theta(x + 0.5), grid_.v(y + step_ * (rows + 1) + 0.5), w)))
+           !frames_.showing(grid_.point(grid_.theta(x + 0.5), grid_.v(y + step_ * (rows + 1) + 0.5), w), 1))
       ++rows;
     return rows;
+  }
+
+  // What no two photographs show stays where it stands between two parts, on one surface, that they do.
+  void drop_unwitnessed() {
+    std::vector<Piece> kept;
+    for (size_t i = 0; i < pieces_.size(); ++i)
+      if (pieces_[i].witnessed || (has_witness(i, -1) && has_witness(i, 1))) kept.push_back(pieces_[i]);
+    pieces_ = std::move(kept);
+  }
+
+  // Whether pieces to one side of a piece, within kBridge columns, have one on its surface that is witnessed.
+  bool has_witness(size_t own, std::ptrdiff_t side) const {
+    const float w = front_.w.at(pieces_[own].x, pieces_[own].from);
+    for (size_t i = own + static_cast<size_t>(side); i < pieces_.size(); i += static_cast<size_t>(side)) {
+      const Piece& other = pieces_[i];
+      if (std::abs(other.x - pieces_[own].x) > kBridge) return false;
+      const float there = front_.w.at(other.x, other.from);
+      if (other.witnessed && std::abs(there - w) < kBridgeShare * w) return true;
+    }
+    return false;
   }
 
   PreparedLayer layer() const {

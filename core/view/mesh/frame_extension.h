@@ -3,7 +3,8 @@
 // A post that fills the photos from top to bottom ends in the panorama where the last photo ends, and a camera that
 // steps back sees over that end what lies far behind it. Where a surface of the front layer ends, up or down, at a
 // place that no photograph could have shown, it goes on: at its disparity, with its own colours mirrored, until a
-// photograph could have shown it or no camera within the viewing limits sees farther.
+// photograph could have shown it or no camera within the viewing limits sees farther. What at most one photograph shows
+// may have any depth: it goes on only between parts of its surface that two show.
 #pragma once
 
 #include <vector>
