@@ -68,6 +68,29 @@ TEST(ExportFlat, JpegAndPngCarryGpanoThatFitsTheImage) {
   }
 }
 
+// The value or offset of a tag in a directory of an EXIF block (little-endian TIFF); 0 = there is none.
+uint32_t exif_entry(const std::vector<uint8_t>& tiff, size_t directory, uint32_t tag) {
+  const uint32_t entries = u32(tiff, directory) & 0xFFFF;
+  for (uint32_t i = 0; i < entries; ++i) {
+    const size_t at = directory + 2 + size_t{12} * i;
+    if ((u32(tiff, at) & 0xFFFF) == tag) return u32(tiff, at + 8);
+  }
+  return 0;
+}
+
+TEST(ExportFlat, ExifPointsToTheDirectoryOfTheTimeItWasTaken) {
+  const std::vector<uint8_t> file = export_as("a.jpg", synthetic_panorama({}));
+  const std::string text(file.begin(), file.end());
+  const size_t tiff_at = text.find(std::string("Exif\0\0", 6)) + 6;
+  ASSERT_LT(tiff_at, text.size());
+  const std::vector<uint8_t> tiff(file.begin() + static_cast<std::ptrdiff_t>(tiff_at), file.end());
+  const uint32_t taken = exif_entry(tiff, u32(tiff, 4), 0x8769);
+  ASSERT_GT(taken, 8U);
+  const uint32_t time = exif_entry(tiff, taken, 0x9003);
+  ASSERT_GT(time, taken);
+  EXPECT_EQ(text.substr(tiff_at + time, 19), "2026:01:02 03:04:05");
+}
+
 TEST(ExportFlat, ExifHoldsTimeAndDevice) {
   const std::vector<uint8_t> file = export_as("a.jpg", synthetic_panorama({}));
   const std::string text(file.begin(), file.end());
