@@ -1,4 +1,4 @@
-#include "tests/bench/spoiled_sweeps.h"
+#include "tests/bench/verdict/spoiled_sweeps.h"
 
 #include <Eigen/Geometry>
 #include <cmath>
