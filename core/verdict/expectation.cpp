@@ -87,19 +87,22 @@ double exposure_jump(const SweepEvidence& evidence, size_t photo) {
 }
 
 MotionMeasures motion_of(const SweepEvidence& evidence) {
-  double outward = 0, all = 0, squares = 0, shift = 0, turn = 0;
+  double outward = 0, all = 0, forward = 0, way = 0, squares = 0, shift = 0, turn = 0;
   int points = 0;
   for (size_t i = 1; i < evidence.photos.size(); ++i) {
     const PhotoEvidence& photo = evidence.photos[i];
     outward += photo.outward, all += photo.sideward;
+    forward += photo.forward, way += photo.step;
     squares += photo.parallax_squares, points += photo.parallax_points;
     if (photo.shift <= 0) continue;
     shift += photo.shift;
-    turn += std::abs(photo.heading_deg - evidence.photos[i - 1].heading_deg) / evidence.field_deg;
+    turn += photo.turn_deg / evidence.field_deg;
   }
   MotionMeasures motion;
   if (points > 0) motion.parallax = std::sqrt(squares / points);
   if (all > 0) motion.outward = std::abs(outward) / all;
+  // Turns take most of a sideward step's flow with them, so that a little way forward outweighs it.
+  if (way > 0 && evidence.doubt == DoubtfulPoses::no) motion.outward = std::min(motion.outward, forward / way);
   motion.mismatch = std::min(kMostMismatch, std::abs(exact_log((shift + kLittleTurn) / (turn + kLittleTurn))));
   return motion;
 }

@@ -47,7 +47,7 @@ double psnr_of(const SquaredError& error);
 // What the sweep as a whole tells of its poses.
 struct MotionMeasures {
   double parallax = 0;  // root mean square of what turns leave of the points' flow, tangent of an angle; 0 = not known
-  double outward = 0;   // share of it that points away from the middle, 0 .. 1
+  double outward = 0;   // share of it that points away from the middle, or of the way forward if less, 0 .. 1
   double mismatch = 0;  // as Feature::mismatch
 };
 MotionMeasures motion_of(const SweepEvidence& evidence);

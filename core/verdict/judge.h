@@ -16,7 +16,7 @@ struct Bounds {
 struct JudgeOptions {
   Bounds smear{0.12, 0.35};            // blur across the sweep, more than that along it
   Bounds dark_noise{3.5, 12};          // noise that even exposure would show [levels]
-  Bounds shift{0.42, 0.65};            // from photograph to photograph, in widths
+  Bounds shift{0.47, 0.65};            // from photograph to photograph, in widths
   Bounds left_out{0.2, 0.6};           // share of the photographs
   Bounds exposure{1.0, 4.0};           // from photograph to photograph, factors of two
   Bounds outward{0.5, 0.7};            // share of the parallax that points away from the middle
@@ -25,7 +25,7 @@ struct JudgeOptions {
   Bounds reprojection{0.0013, 0.004};  // root mean square, in widths
   Bounds holes{0.05, 0.2};             // share of the photographs' pixels
   Bounds expected_db{18, 15.5};        // of new views: below
-  double least_parallax = 0.004;       // tangent of an angle, below which a camera only turned
+  double least_parallax = 0.002;       // tangent of an angle, below which a camera only turned
 };
 
 SweepQuality judge(const SweepEvidence& evidence, const JudgeOptions& options = {});

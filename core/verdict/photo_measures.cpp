@@ -12,8 +12,9 @@ namespace {
 constexpr int kLeastSide = 16;
 constexpr int kTap = 4;  // pixels to either side of the blur that a picture is compared with
 constexpr int kBlock = 8;
-constexpr double kSmoothest = 0.1;  // share of the blocks
-constexpr int kClipped = 4;         // levels from black or white, where noise is cut off
+constexpr double kSmoothest = 0.01;  // share of the blocks: foliage leaves little else plain
+constexpr double kOfAll = 0.7;       // of the noise of all blocks that the smoothest hundredth has by chance
+constexpr int kClipped = 4;          // levels from black or white, where noise is cut off
 
 Plane<int> grey_of(const RgbImage& photo) {
   Plane<int> grey(photo.width, photo.height);
@@ -68,7 +69,7 @@ double noise_of(const Plane<int>& grey) {
   if (sums.empty()) return 0;
   const auto at = sums.begin() + static_cast<std::ptrdiff_t>(kSmoothest * static_cast<double>(sums.size()));
   std::nth_element(sums.begin(), at, sums.end());
-  return std::sqrt(std::numbers::pi / 2) / 6 * *at / (kBlock * kBlock);
+  return std::sqrt(std::numbers::pi / 2) / 6 / kOfAll * *at / (kBlock * kBlock);
 }
 
 }  // namespace

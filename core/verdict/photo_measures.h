@@ -10,7 +10,7 @@ struct PhotoMeasures {
   // Share of the differences between neighbouring pixels in x and in y that another blur would leave, 0 (sharp) .. 1
   // (Crete, Dolmiere, Ladret, Nicolas 2007).
   double blur_x = 0, blur_y = 0;
-  double noise = 0;   // deviation of grey in the smoothest tenth of the blocks, levels of 255 (Immerkaer 1996)
+  double noise = 0;   // deviation of grey, from where the photograph is smoothest, levels of 255 (Immerkaer 1996)
   double detail = 0;  // root of the mean squared difference between neighbouring pixels, levels of 255
 };
 

@@ -3,12 +3,14 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/base/exact_math.h"
 
 namespace ldp {
 namespace {
 
+constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr size_t kFewest = 8;  // points from which their flow is told
 constexpr int kReach = 3;      // photographs before, for parallax: what is far moves little from one to the next
 
@@ -35,6 +37,7 @@ Pairs pairs_of(const std::vector<ScenePoint>& points, const std::vector<std::vec
 }
 
 double length(const Eigen::Vector2d& v) { return std::sqrt(v.x() * v.x() + v.y() * v.y()); }
+double length(const Eigen::Vector3d& v) { return std::sqrt(exact_dot(v, v)); }
 
 double mean_shift(const Matched& pair) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -92,6 +95,19 @@ class LeftOver {
   std::vector<Eigen::Vector2d> at_, flow_;
 };
 
+void measure_step(const Pose& before, const Pose& after, PhotoEvidence& photo) {
+  double apart = 0;  // squared chord of the turn: 8 at half a turn
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d d = after.world_from_camera.col(axis) - before.world_from_camera.col(axis);
+    apart += exact_dot(d, d);
+  }
+  photo.turn_deg = rounded(2 * std::atan2(std::sqrt(apart), std::sqrt(std::max(0.0, 8 - apart))) * kDegrees, 8);
+  const Eigen::Vector3d middle = before.world_from_camera.col(2) + after.world_from_camera.col(2);
+  const Eigen::Vector3d way = after.centre - before.centre;
+  photo.step = length(way);
+  photo.forward = length(middle) > 0 ? std::abs(exact_dot(way, middle)) / length(middle) : 0;
+}
+
 }  // namespace
 
 void measure_flow(const std::vector<ScenePoint>& points, const std::vector<std::vector<Eigen::Vector2d>>& sightings,
@@ -99,6 +115,7 @@ void measure_flow(const std::vector<ScenePoint>& points, const std::vector<std::
   const Pairs neighbours = pairs_of(points, sightings, cameras.size(), 1);
   for (size_t i = 1; i < cameras.size(); ++i) {
     PhotoEvidence& photo = evidence.photos[i];
+    measure_step(cameras[i - 1].pose, cameras[i].pose, photo);
     photo.shared_points = static_cast<int>(neighbours[i].before.size());
     if (neighbours[i].before.size() < kFewest) continue;
     photo.shift = mean_shift(neighbours[i]) / cameras[i].intrinsics.width;

@@ -9,8 +9,8 @@
 
 namespace ldp {
 
-// Sightings of each point in its cameras [pixels], as structure from motion gives them. Sets the flow of each of
-// `evidence.photos`, which stand for the cameras.
+// Sightings of each point in its cameras [pixels], as structure from motion gives them. Sets the flow and
+// the step of each of `evidence.photos`, which stand for the cameras.
 void measure_flow(const std::vector<ScenePoint>& points, const std::vector<std::vector<Eigen::Vector2d>>& sightings,
                   const std::vector<Camera>& cameras, SweepEvidence& evidence);
 

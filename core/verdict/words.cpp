@@ -29,7 +29,11 @@ constexpr std::array<Words, kQualityReasons> kWords = {{
 
 const Words& words_of(QualityReason reason) { return kWords[static_cast<size_t>(reason)]; }
 
-std::string degrees(double angle) { return std::to_string(std::lround(angle)); }
+std::string place(const QualityFinding& finding) {
+  const std::string from = std::to_string(std::lround(finding.from_deg)),
+                    to = std::to_string(std::lround(finding.to_deg));
+  return from == to ? " near " + from + " degrees" : " between " + from + " and " + to + " degrees";
+}
 
 }  // namespace
 
@@ -43,8 +47,7 @@ const char* code_of(QualityReason reason) { return words_of(reason).code; }
 std::string text_of(const QualityFinding& finding) {
   const Words& words = words_of(finding.reason);
   std::string text = words.wrong;
-  if (const size_t at = text.find("%s"); at != std::string::npos)
-    text.replace(at, 2, " between " + degrees(finding.from_deg) + " and " + degrees(finding.to_deg) + " degrees");
+  if (const size_t at = text.find("%s"); at != std::string::npos) text.replace(at, 2, place(finding));
   return text + ": " + words.advice;
 }
 
