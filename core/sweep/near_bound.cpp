@@ -68,7 +68,7 @@ class NearBound {
   bool glance_matches(const Costs& strip, int y) const {
     int matching = 0;
     for (int column = 0; column < kNearBlock; ++column) {
-      const uint8_t* cost = strip.data() + (column * all_depths_.height + y) * kGlanceLabels;
+      const uint8_t* cost = strip.data() + (ptrdiff_t{column} * all_depths_.height + y) * kGlanceLabels;
       for (int row = 0; row < kNearBlock; ++row, cost += kGlanceLabels)
         matching += *std::min_element(cost, cost + kGlanceLabels) <= kNearMatches;
     }

@@ -94,8 +94,8 @@ class Membrane {
     const auto padded = static_cast<size_t>(width_ + kernels::kPadding);
     const int above = std::max(0, first - kMembraneContrastReach),
               beyond = std::min(height_, end + kMembraneContrastReach);
-    std::vector<uint8_t> darkest(padded + 2 * kMembraneContrastReach), brightest = darkest, contrast(padded),
-                                                                       unused(padded);
+    std::vector<uint8_t> darkest(padded + size_t{2} * kMembraneContrastReach), brightest = darkest, contrast(padded),
+                                                                               unused(padded);
     std::vector<std::vector<uint8_t>> low, high;
     for (int y = above; y < beyond; ++y) {
       for (int i = 0; i < width_ + 2 * kMembraneContrastReach; ++i) {

@@ -182,7 +182,7 @@ void DirectionEvidence::add(const DirectionEvidence& other) {
 
 Rephotography::Rephotography(const PanoramaGrid& grid, const std::vector<Camera>& cameras,
                              const std::vector<Gain>& gains, const Job& job, SweepEvidence& evidence)
-    : cameras_(cameras), job_(job), evidence_(evidence), columns_(std::make_unique<Columns>(grid, cameras)) {
+    : job_(job), evidence_(evidence), columns_(std::make_unique<Columns>(grid, cameras)) {
   evidence.first_deg = columns_->first_deg();
   const Intrinsics& lens = cameras.front().intrinsics;
   evidence.field_deg = rounded(2 * std::atan(0.5 * lens.width / lens.fx) * kDegrees, 8);

@@ -30,7 +30,6 @@ class Rephotography : public consistency::Observer {
  private:
   class Columns;
 
-  const std::vector<Camera>& cameras_;
   const Job& job_;
   SweepEvidence& evidence_;
   std::unique_ptr<Columns> columns_;

@@ -158,7 +158,7 @@ std::string CaptureStore::create_capture() const {
   for (const auto& entry : fs::directory_iterator(output_)) {
     last = std::max(last, number_of(entry.path().stem().string()).value_or(0));
   }
-  const std::string name = name_from(last + 1);
+  std::string name = name_from(last + 1);
   write_file(counter, std::to_string(last + 1) + "\n");
   fs::create_directory(folder_of(name));
   flush_folder(output_);

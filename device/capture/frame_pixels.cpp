@@ -39,8 +39,8 @@ GreyImage shrink(const uint8_t* bytes, int stride, Luminance luminance, int widt
       int sum = 0;
       for (int v = 0; v < down; ++v) {
         const uint8_t* pixel =
-            bytes + ptrdiff_t{y * factor + v} * stride + (x * factor) * luminance.step + luminance.first;
-        for (int u = 0; u < across; ++u) sum += pixel[u * luminance.step];
+            bytes + ptrdiff_t{y * factor + v} * stride + ptrdiff_t{x} * factor * luminance.step + luminance.first;
+        for (int u = 0; u < across; ++u) sum += pixel[ptrdiff_t{u} * luminance.step];
       }
       small.at(x, y) = static_cast<uint8_t>(sum / (across * down));
     }
@@ -66,20 +66,21 @@ RgbImage rgb_from(const CameraFrame& frame) {
     switch (frame.format) {
       case PixelFormat::yuyv:
         for (int x = 0; x < frame.width; ++x) {
-          const uint8_t* pair = row + x / 2 * 4;
-          out[x] = rgb_from(row[2 * x], pair[1], pair[3]);
+          const uint8_t* pair = row + ptrdiff_t{x / 2} * 4;
+          out[x] = rgb_from(row[ptrdiff_t{2} * x], pair[1], pair[3]);
         }
         break;
       case PixelFormat::nv12: {
         const uint8_t* chroma = frame.planes[1].bytes + ptrdiff_t{y / 2} * frame.planes[1].stride;
-        for (int x = 0; x < frame.width; ++x) out[x] = rgb_from(row[x], chroma[x / 2 * 2], chroma[x / 2 * 2 + 1]);
+        for (int x = 0; x < frame.width; ++x)
+          out[x] = rgb_from(row[x], chroma[ptrdiff_t{x / 2} * 2], chroma[ptrdiff_t{x / 2} * 2 + 1]);
         break;
       }
       case PixelFormat::rgb24:
-        for (int x = 0; x < frame.width; ++x) out[x] = {row[3 * x], row[3 * x + 1], row[3 * x + 2]};
+        for (int x = 0; x < frame.width; ++x, row += 3) out[x] = {row[0], row[1], row[2]};
         break;
       case PixelFormat::bgr24:
-        for (int x = 0; x < frame.width; ++x) out[x] = {row[3 * x + 2], row[3 * x + 1], row[3 * x]};
+        for (int x = 0; x < frame.width; ++x, row += 3) out[x] = {row[2], row[1], row[0]};
         break;
       case PixelFormat::mjpeg:
         throw std::logic_error("a JPEG frame needs no encoding");
@@ -97,7 +98,7 @@ GreyImage thumbnail(const CameraFrame& frame) {
   }
   const int64_t pixels = int64_t{frame.width} * frame.height;
   const int64_t enough =
-      std::max<int64_t>(pixels / 64 + frame.width + frame.height, 4 * kThumbnailWidth * kThumbnailWidth);
+      std::max<int64_t>(pixels / 64 + frame.width + frame.height, int64_t{4} * kThumbnailWidth * kThumbnailWidth);
   const RgbImage image = decode_image({plane.bytes, plane.size}, "camera frame", enough);
   return shrink(&image.samples.data()->r, image.width * 3, luminance_of(PixelFormat::rgb24), image.width, image.height);
 }
@@ -110,8 +111,8 @@ double sharpness(const CameraFrame& frame) {
   for (int y = 0; y < frame.height; y += 8) {
     const uint8_t* row = plane.bytes + ptrdiff_t{y} * plane.stride + luminance.first;
     for (int x = 1; x < frame.width; ++x) {
-      const int step = row[x * luminance.step] - row[(x - 1) * luminance.step];
-      steps += step * step;
+      const int step = row[ptrdiff_t{x} * luminance.step] - row[ptrdiff_t{x - 1} * luminance.step];
+      steps += int64_t{step} * step;
     }
     count += frame.width - 1;
   }

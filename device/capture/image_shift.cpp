@@ -59,7 +59,7 @@ Detail detail_of(const GreyImage& image) {
   for (int y = 0; y < image.height; ++y) {
     int64_t row = 0;
     for (int x = 0; x < image.width; ++x) {
-      row += detail.values.at(x, y) * detail.values.at(x, y);
+      row += int64_t{detail.values.at(x, y)} * detail.values.at(x, y);
       detail.squares.at(x + 1, y + 1) = detail.squares.at(x + 1, y) + row;
     }
   }

@@ -47,7 +47,7 @@ struct CodeModels {
   std::array<std::array<BitModel, 6>, kContexts> not_first;
   std::array<std::array<BitModel, 4>, kContexts> not_second;
   std::array<BitModel, kContexts> not_third;
-  std::array<BitModel, kGradients * kGradients> upwards;
+  std::array<BitModel, size_t{kGradients} * kGradients> upwards;
   std::array<std::array<BitModel, 15>, 6> further;
 };
 
@@ -144,7 +144,7 @@ bool any_present(const DepthStrip& strip, int bx, int by) {
   const int y1 = std::min(strip.coverage.height, (by + 1) * strip.block_px);
   for (int y = by * strip.block_px; y < y1; ++y) {
     const uint8_t* row = strip.coverage.row(y);
-    if (std::find(row + bx * strip.block_px, row + x1, 1) != row + x1) return true;
+    if (std::find(row + ptrdiff_t{bx} * strip.block_px, row + x1, 1) != row + x1) return true;
   }
   return false;
 }

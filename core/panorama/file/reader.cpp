@@ -212,7 +212,7 @@ LdpReader& LdpReader::operator=(LdpReader&&) noexcept = default;
 const LdpDescription& LdpReader::description() const { return state_->description; }
 
 Layer LdpReader::read_layer(int layer, const Job& job) const {
-  const Layer decoded = read_layer(layer, {0, state_->description.panorama.grid.width}, true, job);
+  Layer decoded = read_layer(layer, {0, state_->description.panorama.grid.width}, true, job);
   check_present(layer, count_present(decoded.coverage));
   return decoded;
 }

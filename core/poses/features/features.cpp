@@ -27,7 +27,7 @@ std::vector<Keypoint> select_keypoints(const Sift& sift, const GreyImage& pictur
   std::vector<Keypoint> points = sift.extrema();
   std::stable_sort(points.begin(), points.end(),
                    [](const Keypoint& p, const Keypoint& q) { return p.response > q.response; });
-  std::vector<int> taken(kKeypointGridCells * kKeypointGridCells, 0);
+  std::vector<int> taken(size_t{kKeypointGridCells} * kKeypointGridCells, 0);
   std::vector<Keypoint> kept;
   std::vector<std::pair<Keypoint, size_t>> spare;  // extrema, and how many of their directions were taken
   const int share = std::max(1, 2 * most / (kKeypointGridCells * kKeypointGridCells));

@@ -66,7 +66,7 @@ Plane<float> doubled(const GreyImage& grey) {
     middle[-1] = middle[0], middle[grey.width] = middle[grey.width - 1];
     float* const out = result.row(y);
     for (int x = 0; x < grey.width; ++x) {
-      out[2 * x] = static_cast<float>(3 * middle[x] + middle[x - 1]) / 16;
+      out[ptrdiff_t{2} * x] = static_cast<float>(3 * middle[x] + middle[x - 1]) / 16;
       out[2 * x + 1] = static_cast<float>(3 * middle[x] + middle[x + 1]) / 16;
     }
   }
@@ -79,7 +79,7 @@ class DifferenceRows {
   explicit DifferenceRows(int width) : width_(width), samples_(static_cast<size_t>(3 * kCount * width)) {
     for (int i = 0; i < kCount; ++i) {
       float* const first = samples_.data() + static_cast<std::ptrdiff_t>(3 * i) * width;
-      rows_[i] = {first, first + width, first + 2 * width};
+      rows_[i] = {first, first + width, first + ptrdiff_t{2} * width};
     }
   }
 
@@ -126,7 +126,7 @@ Plane<float> decimated(const Plane<float>& image) {
   for (int y = 0; y < result.height; ++y) {
     const float* const from = image.row(2 * y);
     float* const to = result.row(y);
-    for (int x = 0; x < result.width; ++x) to[x] = from[2 * x];
+    for (int x = 0; x < result.width; ++x) to[x] = from[ptrdiff_t{2} * x];
   }
   return result;
 }

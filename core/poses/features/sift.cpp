@@ -65,7 +65,7 @@ std::vector<double> orientations(const Plane<float>& image, const Keypoint& keyp
 
 // To bytes, as shares of the length, none of them larger than kMaxDescriptorEntry.
 Sift::Histograms normalised(const sift::Cells& cells) {
-  std::array<float, kCells * kCells * kOrientations> sums;
+  std::array<float, size_t{kCells} * kCells * kOrientations> sums;
   for (int i = 0; i < kCells * kCells * kOrientations; ++i) {
     const int cell = i / kOrientations, rimmed = (1 + cell / kCells) * sift::kPaddedCells + 1 + cell % kCells;
     sums[static_cast<size_t>(i)] = cells[rimmed * kOrientations + i % kOrientations];

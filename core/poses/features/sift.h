@@ -31,7 +31,7 @@ class Sift {
  public:
   static constexpr int kLevels = 3;  // per octave
   static constexpr int kCells = 4, kOrientations = 8;
-  using Histograms = std::array<uint8_t, kCells * kCells * kOrientations>;
+  using Histograms = std::array<uint8_t, size_t{kCells} * kCells * kOrientations>;
 
   // Extrema below `contrast` grey levels are left out.
   Sift(const GreyImage& picture, double contrast);

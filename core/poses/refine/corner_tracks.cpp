@@ -33,7 +33,7 @@ CornerCandidates candidates_of_frame(const MatchedSweep& sweep, const Reconstruc
   }
   int left = static_cast<int>(kTriedPerWantedCorner * wanted);
   const int share = kMaxCornerCellShare * left / (kCornerGridCells * kCornerGridCells) + 1;
-  std::vector<int> tried(kCornerGridCells * kCornerGridCells, 0);
+  std::vector<int> tried(size_t{kCornerGridCells} * kCornerGridCells, 0);
   for (const Corner& corner : find_corners(grey, kSearchMargin_px)) {
     if (left <= 0 || wanted <= 0) break;
     const Eigen::Vector2d p = search.from_picture({corner.x + 0.5, corner.y + 0.5}, frame);

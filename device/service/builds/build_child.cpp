@@ -108,7 +108,7 @@ std::string last_line(const std::string& text) {
 }
 
 std::string reason_of(int status, const std::string& errors) {
-  const std::string said = last_line(errors);
+  std::string said = last_line(errors);
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     const std::string killed = std::string("the build was killed (") + ::strsignal(signal) + ")";
