@@ -20,7 +20,8 @@
 namespace ldp {
 namespace {
 
-// What the pictures of a sweep took, and the C library would keep for the next one.
+// What pictures and builds took, and the C library would keep: every time in other pages, so that the service seemed to
+// grow.
 void give_memory_back() {
 #ifdef __GLIBC__
   ::malloc_trim(0);
@@ -93,6 +94,7 @@ void CaptureCycle::handle(Event event, const Reason& reason) {
   if (changed && (phase_ == Phase::failed || phase_ == Phase::idle)) last_failure_ = text_of(reason);
   if (!is_at_work(phase_)) builds_.stop_following();
   perform(transition.action, reason);
+  if (changed && !is_at_work(phase_)) give_memory_back();
   if (changed && !is_at_work(phase_) && run_ != Run::service) {
     exit_status_ = phase_ == Phase::done ? 0 : 1;
     over_ = true;
@@ -154,7 +156,6 @@ void CaptureCycle::end_sweep(const Reason& reason, bool complete) {
 void CaptureCycle::abandon_sweep() {
   sweep_.reset();
   folders_.cancel(std::exchange(capture_, {}), writer_);
-  give_memory_back();
   say("the sweep was cancelled; its frames were removed");
 }
 
