@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/captures/transforms.h"
+#include "device/tool/memory_size.h"
 #include "device/tool/number_within.h"
 #include "device/tool/output.h"
 #include "device/tool/session.h"
@@ -14,19 +15,6 @@ namespace ldp {
 namespace {
 
 constexpr int kFewestPhotos = 3;
-
-// Bytes, with a unit where one follows.
-std::string read_memory_size(std::string& text) {
-  const size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
-  std::string refusal = "'" + text + "' is not a size such as 128M or 1G, nor 0 for full detail";
-  if (digits == 0 || text.find_first_of("-+. \t0123456789", digits) != std::string::npos) return refusal;
-  try {
-    CLI::AsSizeValue(false)(text);
-    return {};
-  } catch (const CLI::ValidationError&) {
-    return refusal;
-  }
-}
 
 // Half-way to the picture's corners the lens must map one direction to one place: what is nonsense there is no lens.
 void check_lenses(const std::vector<Camera>& cameras, const std::string& file) {
@@ -99,7 +87,7 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
           "--memory", build.memory_bytes,
           "Memory to work in, such as 128M, if need be by a coarser panorama; 0 = full detail, large arrays beyond "
           "128M in files without names beside the output")
-      ->transform(CLI::Validator(read_memory_size, "SIZE"))
+      ->transform(memory_size("full detail"))
       ->default_str("0");
 }
 

@@ -1,14 +1,39 @@
-// The .ldp file a command was given.
+// The .ldp file a command was given, and how much memory may be used for it: a small file may declare a large panorama.
 #pragma once
 
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "core/base/job.h"
 #include "core/panorama/panorama.h"
 
 namespace ldp {
 
-// Throws BadInput naming the file: missing, not an .ldp file, or damaged.
-LayeredPanorama read_panorama(const std::string& file, const Job& job);
+struct PanoramaInput {
+  std::string file;
+  uint64_t memory_bytes = 0;  // that may be used; 0 = three quarters of what the machine has
+};
+
+// What a command holds beside the panorama, in bytes.
+struct BytesBeside {
+  uint64_t per_pixel = 0;          // of the grid, for every layer
+  uint64_t per_present_pixel = 0;  // as the file tells them, and decoding checks
+  uint64_t always = 0;
+};
+
+// Throws Impossible, with what it is that needs them, if it needs more bytes than may be used.
+void check_memory(const PanoramaInput& input, uint64_t needed_bytes, const std::string& what);
+
+void add_panorama_input(CLI::App& command, PanoramaInput& input);  // FILE and --memory
+
+// Throws BadInput naming the file: missing, not an .ldp file, or damaged; Impossible if it takes more memory than may
+// be used.
+LayeredPanorama read_panorama(const PanoramaInput& input, const BytesBeside& beside, const Job& job);
+
+// Every damage found, one line each. Throws as above, but for damage.
+std::vector<std::string> verify_panorama(const PanoramaInput& input, std::span<const uint8_t> bytes, const Job& job);
 
 }  // namespace ldp

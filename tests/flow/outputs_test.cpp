@@ -5,6 +5,7 @@
 
 #include "core/base/files.h"
 #include "core/captures/transforms.h"
+#include "core/panorama/file/ldp_file.h"
 #include "tests/flow/flow.h"
 
 namespace ldp {
@@ -256,6 +257,55 @@ TEST_F(Outputs, MemoryThatEndsIsToldWithWhatTheCommandCanBeTold) {
                  "smaller ones (--megapixels), or a coarser panorama (--memory)\n", with("20000"));
   expect_refusal({"scene", "room", "--size", "4096x4096", "--no-novel", "-o", path("room")}, 1,
                  "ldp scene: not enough memory: make smaller pictures (--size)", with("60000"));
+}
+
+// A kilobyte or so that declares eight layers without a pixel present.
+std::string large_and_empty(const std::string& file) {
+  LayeredPanorama panorama = decode_ldp(read_file(LDP_SOURCE "/tests/golden/tiny.ldp"));
+  panorama.grid.width = panorama.grid.height = 1024;
+  Layer layer;
+  layer.depth.codes = {1024, 1024};
+  layer.depth.ranges = {1, 1, BlockRange{0, 255}};
+  layer.coverage = {1024, 1024};
+  layer.colour = {1024, 1024};
+  panorama.layers.assign(8, layer);
+  write_file(file, encode_ldp(panorama, {}));
+  return file;
+}
+
+TEST_F(Outputs, AFileThatDeclaresMoreThanMayBeUsedIsRefusedBeforeItIsDecoded) {
+  const std::string file = large_and_empty(path("large.ldp"));
+  EXPECT_LT(fs::file_size(file), 10'000U);
+  const std::vector<std::vector<std::string>> commands = {{"verify", file},
+                                                          {"info", file},
+                                                          {"export", file, "-o", path("a.glb")},
+                                                          {"render", file, "--path", "sway", "-o", path("v")}};
+  for (std::vector<std::string> words : commands) {
+    words.insert(words.end(), {"--memory", "2M"});
+    expect_refusal(words, 1, file + ": 1024x1024 pixels in 8 layers may need ");
+    expect_refusal(words, 1, " MB, allowed are 2 MB: allow more (--memory), or use a machine that has more\n");
+  }
+  expect_refusal({"render", file, "--path", "sway", "-o", path("v"), "--size", "8192x8192", "--memory", "256M"}, 1,
+                 " of 8192x8192 may need 3221 MB, allowed are 268 MB: allow more (--memory)");
+}
+
+// What is allowed is enough: as a limit of the process it is kept, with a margin for the program itself.
+TEST_F(Outputs, WhatAFileMayNeedIsNeverLessThanWhatItTakes) {
+  if (!kCanPreload) GTEST_SKIP() << "a sanitized program takes more memory than a limit can tell";
+  const std::string file = large_and_empty(path("large.ldp"));
+  const auto within = [](const std::string& mib) {
+    return std::vector<std::string>{"bash", "-c", "ulimit -d $((" + mib + " * 1024 + 24000)); exec \"$0\" \"$@\""};
+  };
+  const auto run = [&](std::vector<std::string> words, const std::string& mib) {
+    words.insert(words.end(), {"--threads", "1", "--memory", mib + "M"});
+    const Outcome outcome = Running(words, room_, within(mib)).wait();
+    EXPECT_EQ(outcome.status, 0) << words[0] << ": " << outcome.err;
+  };
+  run({"verify", file}, "16");
+  run({"info", file}, "16");
+  run({"export", file, "-o", path("a.glb")}, "112");
+  run({"export", file, "-o", path("a.png")}, "112");
+  run({"render", file, "--path", "sway", "--frames", "1", "--size", "64x64", "-o", path("v")}, "192");
 }
 
 TEST_F(Outputs, SmallFilesAreCountedInKilobytes) {

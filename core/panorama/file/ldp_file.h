@@ -101,4 +101,9 @@ LdpDescription describe_ldp(std::span<const uint8_t> bytes);  // decodes no laye
 std::vector<std::string> verify_ldp(std::span<const uint8_t> bytes,
                                     const Job& job = {});  // every damage found, one line each; empty = sound
 
+// The most bytes that decode_ldp and verify_ldp hold at a time, the file's own apart. Known from the description, so
+// that a file from elsewhere can be refused before it is decoded: a kilobyte may declare gigabytes.
+uint64_t decoding_bytes(const LdpDescription& description, int threads);
+uint64_t verifying_bytes(const LdpDescription& description);
+
 }  // namespace ldp

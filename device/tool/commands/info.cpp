@@ -12,6 +12,7 @@
 #include "device/tool/commands.h"
 #include "device/tool/json/quality_json.h"
 #include "device/tool/output.h"
+#include "device/tool/panorama_input.h"
 
 namespace ldp {
 namespace {
@@ -160,14 +161,15 @@ void print_text(const std::string& file, const LdpDescription& description) {
   print_sizes(description);
 }
 
-int run(const std::string& file, const Session& session) {
+int run(const PanoramaInput& input, const Session& session) {
+  const std::string& file = input.file;
   check_input_file(file);
   Job job;
   job.threads = session.thread_count();
   job.stop = session.stop;
   try {
     const MappedFile mapped(file);
-    const std::vector<std::string> damages = verify_ldp(mapped.bytes(), job);
+    const std::vector<std::string> damages = verify_panorama(input, mapped.bytes(), job);
     if (!damages.empty()) throw LdpError(damages.front());
     const LdpDescription description = describe_ldp(mapped.bytes());
     if (session.json)
@@ -183,10 +185,10 @@ int run(const std::string& file, const Session& session) {
 }  // namespace
 
 void add_info(Program& program) {
-  auto file = std::make_shared<std::string>();
+  auto input = std::make_shared<PanoramaInput>();
   CLI::App& app = add_command(program, "info", "Print everything that is in an .ldp file",
-                              [file](const Session& session) { return run(*file, session); });
-  app.add_option("FILE", *file, "The .ldp file")->required();
+                              [input](const Session& session) { return run(*input, session); });
+  add_panorama_input(app, *input);
 }
 
 }  // namespace ldp

@@ -7,19 +7,20 @@
 #include <string>
 
 #include "core/base/files.h"
-#include "core/panorama/file/ldp_file.h"
 #include "device/tool/commands.h"
 #include "device/tool/output.h"
+#include "device/tool/panorama_input.h"
 #include "device/tool/process/progress_bar.h"
 
 namespace ldp {
 namespace {
 
-int check_file(const std::string& file, const Session& session) {
+int check_file(const PanoramaInput& input, const Session& session) {
+  const std::string& file = input.file;
   check_input_file(file);
   std::optional<ProgressBar> bar(session.progress_fd);
   const MappedFile mapped(file);
-  const std::vector<std::string> damages = verify_ldp(mapped.bytes(), start_job(session, *bar));
+  const std::vector<std::string> damages = verify_panorama(input, mapped.bytes(), start_job(session, *bar));
   bar.reset();
   if (session.json) {
     const nlohmann::ordered_json json{{"file", file}, {"sound", damages.empty()}, {"damages", damages}};
@@ -34,10 +35,10 @@ int check_file(const std::string& file, const Session& session) {
 }  // namespace
 
 void add_verify(Program& program) {
-  auto file = std::make_shared<std::string>();
+  auto input = std::make_shared<PanoramaInput>();
   CLI::App& app = add_command(program, "verify", "Check every checksum and bound of an .ldp file",
-                              [file](const Session& session) { return check_file(*file, session); });
-  app.add_option("FILE", *file, "The .ldp file")->required();
+                              [input](const Session& session) { return check_file(*input, session); });
+  add_panorama_input(app, *input);
 }
 
 }  // namespace ldp
