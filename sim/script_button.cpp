@@ -31,6 +31,8 @@ std::vector<ButtonEvent> parse_script(const std::string& file, int64_t start_ns)
       }
     }
   }
+  if (line_number == 0)
+    throw std::runtime_error("the button script '" + file + "' is empty: a pipe can be read once only");
   return events;
 }
 

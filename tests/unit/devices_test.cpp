@@ -205,6 +205,7 @@ TEST(ScriptButton, AWrongWordIsNamedWithItsLine) {
   EXPECT_THAT(complaint([&] { open_script_button(Url("script:" + (folder / "script").string())); }),
               testing::AllOf(HasSubstr(":2:"), HasSubstr("'wait'")));
   EXPECT_THAT(complaint([] { open_script_button(Url("script:/nowhere")); }), HasSubstr("/nowhere"));
+  EXPECT_THAT(complaint([] { open_script_button(Url("script:/dev/null")); }), HasSubstr("is empty"));
 }
 
 struct PictureFolder : Folder {
