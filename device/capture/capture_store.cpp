@@ -57,6 +57,16 @@ void remove_temporaries(const fs::path& folder) {
   for (const fs::path& file : files) fs::remove(file, error);
 }
 
+// 0 where there is none. One that cannot be read (a bad block) is no reason to refuse sweeps for ever: it is replaced.
+int number_in(const fs::path& counter) {
+  try {
+    return fs::exists(counter) ? std::max(0, std::atoi(read_text(counter).c_str())) : 0;
+  } catch (const std::system_error& error) {
+    log_warning(std::string(error.what()) + ": sweeps are counted from those that are in the folder");
+    return 0;
+  }
+}
+
 int count_frames(const fs::path& folder) {
   int frames = 0;
   for (const auto& entry : fs::directory_iterator(folder)) frames += is_frame(entry.path()) ? 1 : 0;
@@ -152,16 +162,21 @@ std::vector<CaptureState> CaptureStore::recover() const {
 }
 
 std::string CaptureStore::create_capture() const {
-  int last = 0;
   const fs::path counter = output_ / ".last_sweep";
-  if (fs::exists(counter)) last = std::max(0, std::atoi(read_text(counter).c_str()));
+  int last = number_in(counter);
   for (const auto& entry : fs::directory_iterator(output_)) {
     last = std::max(last, number_of(entry.path().stem().string()).value_or(0));
   }
   std::string name = name_from(last + 1);
   write_file(counter, std::to_string(last + 1) + "\n");
   fs::create_directory(folder_of(name));
-  flush_folder(output_);
+  try {
+    flush_folder(output_);
+  } catch (const std::system_error&) {
+    std::error_code ignored;
+    fs::remove(folder_of(name), ignored);
+    throw;
+  }
   return name;
 }
 

@@ -6,11 +6,14 @@ if(LDP_DRIVERS)
   add_dependencies(ldpd_test ldpd ldp-device faults)
   find_program(LDP_PLAIN_PYTHON NAMES python3)
   if(LDP_PLAIN_PYTHON AND NOT LDP_SANITIZE)
-    add_test(NAME FaultMatrix.OfCaptureAndService
-      COMMAND ${LDP_PLAIN_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/fault_matrix.py ${PROJECT_BINARY_DIR} capture service)
+    add_test(NAME FaultMatrix.EveryFaultOfEveryCallOnce
+      COMMAND ${LDP_PLAIN_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/fault_matrix.py --short ${PROJECT_BINARY_DIR})
+    add_test(NAME PowerCut.NothingThatWasReportedIsLostAtAnyStep
+      COMMAND ${LDP_PLAIN_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/power_cut.py ${PROJECT_BINARY_DIR})
     add_test(NAME Soak.TwoHundredCaptures
       COMMAND ${LDP_PLAIN_PYTHON} ${PROJECT_SOURCE_DIR}/toolchain/soak --captures 200 --build ${PROJECT_BINARY_DIR})
-    set_tests_properties(FaultMatrix.OfCaptureAndService Soak.TwoHundredCaptures PROPERTIES TIMEOUT 1500)
+    set_tests_properties(FaultMatrix.EveryFaultOfEveryCallOnce PowerCut.NothingThatWasReportedIsLostAtAnyStep
+      Soak.TwoHundredCaptures PROPERTIES TIMEOUT 1500)
   endif()
 endif()
 if(LDP_DRIVERS)
