@@ -2,7 +2,8 @@
 //
 // Takes a panorama and a camera (any pose, distortion honoured); gives colour, alpha and z-depth. Layers are meshes
 // that tear at depth edges, drawn with a z-buffer; the deepest surfaces go on some pixels underneath silhouettes
-// (underlay.h). Pixels that nothing covers have alpha 0 and depth 0.
+// (underlay.h), near ones beyond the photographs' frames (frame_extension.h). Pixels that nothing covers have alpha 0
+// and depth 0.
 #pragma once
 
 #include <memory>
@@ -16,7 +17,7 @@ namespace ldp {
 enum class Fill { none, background };
 
 struct RenderOptions {
-  int layers = 8;          // draw at most so many of the panorama's layers; fewer than all have no underlay
+  int layers = 8;          // draw at most so many of the panorama's layers; with fewer than all nothing is made up
   Fill fill = Fill::none;  // background: continue the background over holes, alpha 255 everywhere
   bool depth = false;      // also return z-depth
 };

@@ -51,11 +51,12 @@ bool sees_columns(const PanoramaGrid& grid, const Camera& camera, int begin, int
 Layer cut_out(const Layer& layer, const Section& section) {
   Layer part;
   const int height = layer.coverage.height, width = layer.coverage.width;
+  const auto wrapped = [&](int x) { return ((section.begin + x) % width + width) % width; };
   const auto columns = [&](const auto& from, auto& to) {
     if (from.empty()) return;
     to = {section.columns, height};
     for (int y = 0; y < height; ++y)
-      for (int x = 0; x < section.columns; ++x) to.at(x, y) = from.at((section.begin + x + width) % width, y);
+      for (int x = 0; x < section.columns; ++x) to.at(x, y) = from.at(wrapped(x), y);
   };
   columns(layer.coverage, part.coverage);
   columns(layer.alpha, part.alpha);
@@ -68,8 +69,7 @@ Layer cut_out(const Layer& layer, const Section& section) {
   }
   part.depth.ranges = {section.columns, height};
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < section.columns; ++x)
-      part.depth.ranges.at(x, y) = layer.depth.range((section.begin + x + width) % width, y);
+    for (int x = 0; x < section.columns; ++x) part.depth.ranges.at(x, y) = layer.depth.range(wrapped(x), y);
   return part;
 }
 
@@ -96,12 +96,12 @@ struct StripRenderer::Prepared {
   view::Mesh strip(int begin, const Job& job) const {
     const PanoramaGrid& grid = panorama.grid;
     const int end = std::min(begin + kStripColumns, last_quad());
-    Section section{begin - kMarginColumns, end + 1 + kMarginColumns};  // the second one is its end, so far
-    if (!grid.wraps) section = {std::max(0, section.begin), std::min(grid.width, section.columns)};
-    section.columns -= section.begin;
-    const int first = begin - section.begin;
+    int from = begin - kMarginColumns, to = end + 1 + kMarginColumns;
+    if (!grid.wraps) from = std::max(0, from), to = std::min(grid.width, to);
+    const Section section{from, to - from};
+    const int first = begin - from;
     view::Mesh mesh = view::build_mesh(cut_out(panorama, section), first, first + end - begin, job);
-    for (view::MeshTile& tile : mesh.tiles) tile.x0 += section.begin;
+    for (view::MeshTile& tile : mesh.tiles) tile.x0 += from;
     return mesh;
   }
 
