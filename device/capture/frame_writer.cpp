@@ -3,6 +3,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <new>
 #include <utility>
 
 #include "core/base/files.h"
@@ -11,13 +12,27 @@
 namespace ldp {
 namespace {
 
-std::string write(const WriteJob& job) {
+// Short enough to be kept without memory.
+constexpr const char* kNoMemory = "no memory left";
+
+void write(const WriteJob& job) {
+  if (!job.file.empty()) write_file(job.folder / job.file, job.bytes);
+  if (!job.capture_json.empty()) write_file(job.folder / "capture.json", job.capture_json);
+}
+
+// Nothing leaves it, or the thread would end the program: neither what went wrong, nor what telling of it needs.
+std::string written(const WriteJob& job) noexcept {
   try {
-    if (!job.file.empty()) write_file(job.folder / job.file, job.bytes);
-    if (!job.capture_json.empty()) write_file(job.folder / "capture.json", job.capture_json);
-    return {};
-  } catch (const std::exception& error) {
-    return error.what();
+    try {
+      write(job);
+      return {};
+    } catch (const std::bad_alloc&) {
+      return kNoMemory;
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+  } catch (const std::bad_alloc&) {
+    return kNoMemory;
   }
 }
 
@@ -45,7 +60,7 @@ FrameWriter::~FrameWriter() {
 void FrameWriter::put(WriteJob job) {
   {
     const std::scoped_lock lock(shared_->mutex);
-    shared_->jobs.push_back(std::move(job));
+    shared_->jobs.push_back({std::move(job), {}});
     ++shared_->pending;
   }
   shared_->wake.notify_one();
@@ -53,7 +68,7 @@ void FrameWriter::put(WriteJob job) {
 
 void FrameWriter::forget(const std::filesystem::path& folder) {
   const std::scoped_lock lock(shared_->mutex);
-  shared_->pending -= std::erase_if(shared_->jobs, [&](const WriteJob& job) { return job.folder == folder; });
+  shared_->pending -= std::erase_if(shared_->jobs, [&](const Entry& entry) { return entry.job.folder == folder; });
 }
 
 void FrameWriter::leave() {
@@ -64,13 +79,14 @@ void FrameWriter::leave() {
 
 std::optional<WriteOutcome> FrameWriter::take() {
   const std::scoped_lock lock(shared_->mutex);
-  if (shared_->outcomes.empty()) {
+  if (shared_->done.empty()) {
     uint64_t count = 0;
     [[maybe_unused]] const ssize_t got = ::read(shared_->event.get(), &count, sizeof count);
     return std::nullopt;
   }
-  WriteOutcome outcome = std::move(shared_->outcomes.front());
-  shared_->outcomes.pop_front();
+  Entry& entry = shared_->done.front();
+  WriteOutcome outcome{std::move(entry.job.folder), std::move(entry.job.file), std::move(entry.error)};
+  shared_->done.pop_front();
   --shared_->pending;
   return outcome;
 }
@@ -82,18 +98,19 @@ size_t FrameWriter::pending() const {
 
 void FrameWriter::run(Shared& shared) {
   for (;;) {
-    WriteJob job;
+    std::list<Entry> current;
     {
       std::unique_lock lock(shared.mutex);
       shared.wake.wait(lock, [&] { return shared.ending || !shared.jobs.empty(); });
       if (shared.jobs.empty()) return;
-      job = std::move(shared.jobs.front());
-      shared.jobs.pop_front();
+      current.splice(current.begin(), shared.jobs, shared.jobs.begin());
     }
-    WriteOutcome outcome{job.folder, job.file, write(job)};
+    Entry& entry = current.front();
+    entry.error = written(entry.job);
+    std::vector<uint8_t>().swap(entry.job.bytes);
     {
       const std::scoped_lock lock(shared.mutex);
-      shared.outcomes.push_back(std::move(outcome));
+      shared.done.splice(shared.done.end(), current);
     }
     const uint64_t one = 1;
     [[maybe_unused]] const ssize_t put = ::write(shared.event.get(), &one, sizeof one);

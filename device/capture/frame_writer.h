@@ -3,8 +3,8 @@
 #pragma once
 
 #include <condition_variable>
-#include <deque>
 #include <filesystem>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -45,13 +45,17 @@ class FrameWriter {
   size_t pending() const;  // jobs whose outcome was not taken
 
  private:
-  // With the thread, which may outlive the writer.
+  struct Entry {
+    WriteJob job;
+    std::string error;
+  };
+  // With the thread, which may outlive the writer. Entries wander from list to list, so that the thread needs no memory
+  // to tell how one ended.
   struct Shared {
     UniqueFd event;
     std::mutex mutex;
     std::condition_variable wake;
-    std::deque<WriteJob> jobs;
-    std::deque<WriteOutcome> outcomes;
+    std::list<Entry> jobs, done;
     size_t pending = 0;
     bool ending = false;
   };

@@ -6,6 +6,7 @@ set(long_sweeps FrameChoice.NeighboursOverlapByTheWantedShareAtAnySpeed FrameCho
 list(JOIN long_sweeps ":" long_sweeps)
 ldp_test(frame_choice_test SOURCES frame_choice_test.cpp NATIVE_ONLY ${long_sweeps} USES ldp_service ldp_backends ldp_hardware ldp_photos nlohmann_json::nlohmann_json)
 ldp_test(capture_store_test SOURCES capture_store_test.cpp NATIVE_ONLY CaptureStoreTest.ABuildBeyondItsMemoryFailsAlone USES ldp_service ldp_backends ldp_hardware ldp_photos nlohmann_json::nlohmann_json)
+ldp_test(build_verdict_test SOURCES build_verdict_test.cpp USES ldp_service ldp_backends ldp_hardware)
 ldp_test(config_test SOURCES config_test.cpp USES ldp_service ldp_backends ldp_hardware)
 if(LDP_DRIVERS)
   find_package(LCMLean REQUIRED)
@@ -13,4 +14,7 @@ if(LDP_DRIVERS)
   if(NOT CMAKE_CROSSCOMPILING)  # there all tests are one program, which keeps the kernel's calls
     ldp_test(v4l2_test SOURCES v4l2_test.cpp USES ldp_drivers)
   endif()
+endif()
+if(NOT CMAKE_CROSSCOMPILING)  # it replaces operator new of its whole program
+  ldp_test(no_memory_test SOURCES no_memory_test.cpp USES ldp_service ldp_backends ldp_hardware ldp_panorama ldp_photos)
 endif()

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace ldp {
@@ -28,7 +29,7 @@ void add_verdict(const std::filesystem::path& report, Result& result) {
     std::vector<std::string> lines;
     for (const nlohmann::json& reason : quality.at("reasons")) lines.push_back(reason.at("text").get<std::string>());
     for (const std::string& line : lines) told.reasons.append(line).append(&line == &lines.back() ? "" : "\n");
-    result = told;
+    result = std::move(told);
   } catch (const nlohmann::json::exception&) {
     return;  // of another version
   }
