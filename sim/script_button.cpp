@@ -9,30 +9,42 @@
 namespace ldp {
 namespace {
 
-std::vector<ButtonEvent> parse_script(const std::string& file, int64_t start_ns) {
+constexpr size_t kMostBytes = 1 << 20;
+constexpr double kMostWait_ms = 1e10;  // in all: four months
+
+std::string script_text(const std::string& file) {
   std::ifstream in(file);
   if (!in) throw std::runtime_error("cannot read the button script '" + file + "'");
+  std::string text(kMostBytes + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<size_t>(in.gcount()));
+  if (text.empty()) throw std::runtime_error("the button script '" + file + "' is empty: a pipe can be read once only");
+  if (text.size() > kMostBytes) throw std::runtime_error("the button script '" + file + "' is longer than a megabyte");
+  return text;
+}
+
+std::vector<ButtonEvent> parse_script(const std::string& file, int64_t start_ns) {
+  std::istringstream lines(script_text(file));
   std::vector<ButtonEvent> events;
-  int64_t now_ns = start_ns;
+  double waited_ms = 0;
   int line_number = 0;
-  for (std::string line; std::getline(in, line);) {
+  for (std::string line; std::getline(lines, line);) {
     ++line_number;
+    const auto refuse = [&](const std::string& why) {
+      throw std::runtime_error(file + ":" + std::to_string(line_number) + ": " + why);
+    };
     std::istringstream words(line.substr(0, line.find('#')));
     for (std::string word; words >> word;) {
       double wait_ms = -1;
       if (word == "press" || word == "release") {
-        events.push_back({word == "press", now_ns});
-      } else if (word == "wait" && words >> wait_ms && wait_ms >= 0 && wait_ms < 1e9) {
-        now_ns += static_cast<int64_t>(wait_ms * 1e6);
-      } else {
-        std::string refusal = file;
-        refusal.append(":").append(std::to_string(line_number)).append(": '").append(word);
-        throw std::runtime_error(refusal.append("' is not press, release or wait MILLISECONDS"));
+        events.push_back({word == "press", start_ns + static_cast<int64_t>(waited_ms * 1e6)});
+      } else if (word != "wait" || !(words >> wait_ms) || wait_ms < 0) {
+        refuse("'" + word + "' is not press, release or wait MILLISECONDS");
+      } else if ((waited_ms += wait_ms) > kMostWait_ms) {
+        refuse("the waits are longer than four months in all");
       }
     }
   }
-  if (line_number == 0)
-    throw std::runtime_error("the button script '" + file + "' is empty: a pipe can be read once only");
   return events;
 }
 

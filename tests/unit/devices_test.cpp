@@ -208,6 +208,26 @@ TEST(ScriptButton, AWrongWordIsNamedWithItsLine) {
   EXPECT_THAT(complaint([] { open_script_button(Url("script:/dev/null")); }), HasSubstr("is empty"));
 }
 
+TEST(ScriptButton, WaitsBeyondAnyClockAndScriptsWithoutEndAreRefused) {
+  const Folder folder;
+  const std::string url = "script:" + (folder / "script").string();
+  std::ofstream endless(folder / "script");
+  for (int i = 0; i < 10'000; ++i) endless << "wait 999999999\n";  // more nanoseconds than 64 bits count
+  endless << "press\n" << std::flush;
+  EXPECT_THAT(complaint([&] { open_script_button(Url(url)); }),
+              testing::AllOf(HasSubstr("script:11:"), HasSubstr("longer than four months in all")));
+  for (const char* const wrong : {"wait -1", "wait 1e11", "wait nan", "wait", "wait inf"}) {
+    std::ofstream(folder / "script") << "press\n" << wrong << "\n";
+    EXPECT_THAT(complaint([&] { open_script_button(Url(url)); }), HasSubstr("script:2:")) << wrong;
+  }
+  std::ofstream(folder / "script") << "press wait 1e10\nrelease\n";
+  EXPECT_EQ(complaint([&] { open_script_button(Url(url)); }), "");
+  std::ofstream(folder / "script") << std::string(1 << 20, '\n');
+  EXPECT_EQ(complaint([&] { open_script_button(Url(url)); }), "");
+  std::ofstream(folder / "script", std::ios::app) << '\n';
+  EXPECT_THAT(complaint([&] { open_script_button(Url(url)); }), HasSubstr("longer than a megabyte"));
+}
+
 struct PictureFolder : Folder {
   PictureFolder() {
     for (int i = 0; i < 3; ++i) {
