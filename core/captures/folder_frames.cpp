@@ -185,11 +185,16 @@ std::string FolderFrames::name(int index) const { return files_.at(static_cast<s
 
 RgbImage FolderFrames::load(int index) const {
   const fs::path& file = files_.at(static_cast<size_t>(index));
-  if (working_ == stored_) return upright(read_image(file), orientation_);
   // Decoding at a whole fraction of the size saves memory; the rest of the way is averaged.
-  const int64_t enough = int64_t{4} * working_.width * working_.height;
-  RgbImage photo = upright(read_photo(file, std::max<int64_t>(enough, 4'000'000)).image, orientation_);
-  return resize_by_area(photo, working_.width, working_.height);
+  const int64_t enough = std::max<int64_t>(int64_t{4} * working_.width * working_.height, 4'000'000);
+  Photo photo = working_ == stored_ ? read_photo(file) : read_photo(file, enough);
+  const ImageSize found = upright(photo.full_size, orientation_);
+  if (found != stored_) {
+    throw std::runtime_error(file.string() + ": is " + text_of(found) + " by now and was " + text_of(stored_) +
+                             ": leave the photos alone while they are worked on");
+  }
+  RgbImage image = upright(std::move(photo.image), orientation_);
+  return working_ == stored_ ? image : resize_by_area(image, working_.width, working_.height);
 }
 
 std::optional<double> FolderFrames::focal_hint(int index) const {

@@ -104,6 +104,24 @@ TEST_F(FolderFramesTest, ScalesHugePhotosAndTheirCamerasToTheWorkingSize) {
   EXPECT_EQ(fitted[0].intrinsics.width, 200);
 }
 
+TEST_F(FolderFramesTest, APhotoThatAnotherTookThePlaceOfIsRefused) {
+  for (const int64_t pixels : {2'000'000, 1024}) {
+    photo("a.jpg", 64, 48);
+    const FolderFrames frames(folder_, {pixels});
+    EXPECT_EQ(frames.load(0).width, frames.working_size().width);
+    for (const ImageSize other : {ImageSize{48, 64}, ImageSize{20, 10}, ImageSize{640, 480}}) {
+      photo("a.jpg", other.width, other.height);
+      try {
+        frames.load(0);
+        ADD_FAILURE() << "a photo of another size was taken";
+      } catch (const std::runtime_error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("a.jpg: is " + std::to_string(other.width) + "x"));
+        EXPECT_THAT(error.what(), HasSubstr("by now and was 64x48"));
+      }
+    }
+  }
+}
+
 TEST_F(FolderFramesTest, TurnsPhotosOfACameraOnItsSide) {
   RgbImage image(64, 32);
   for (int y = 0; y < 16; ++y)
