@@ -743,6 +743,31 @@ TEST_F(LdpdTest, ARecordedSessionReplaysThroughLdpWatch) {
   }
 }
 
+// One message a line, as many as were asked for; a log that is at its end before that ends it, too.
+TEST_F(LdpdTest, LdpWatchEndsAfterAsManyMessagesAsWereAskedFor) {
+  const std::string url = private_network();
+  lcm::LCM stranger(url);
+  if (!stranger.good()) GTEST_SKIP() << "no multicast here (ip route add 224.0.0.0/4 dev lo)";
+  const auto publisher = open_status("lcm:" + url);
+  for (const int count : {1, 3}) {
+    const fs::path printed = room_ / ("printed_" + std::to_string(count));
+    const std::string watch = std::string("exec ") + LDP_DEVICE_PROGRAM + " watch --status 'lcm:" + url + "' --count " +
+                              std::to_string(count) + " > " + printed.string();
+    Process watching({"bash", "-c", watch}, room_ / "watch");
+    Status status;
+    for (int i = 0; i < 500 && watching.runs(); ++i) {
+      status.text = "message " + std::to_string(i);
+      publisher->publish(status);
+      std::this_thread::sleep_for(milliseconds(10));
+    }
+    if (watching.runs()) GTEST_SKIP() << "multicast does not come back here";
+    EXPECT_EQ(watching.wait().status, 0);
+    const std::string lines = text_of(printed);
+    EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), count) << lines;
+    EXPECT_THAT(lines, HasSubstr("message "));
+  }
+}
+
 // Noise on every channel, commands among them: the service and who watches it count it and go on as if nothing had
 // been.
 TEST_F(LdpdTest, AHundredThousandRandomDatagramsOnEveryChannelChangeNothingButACounter) {
@@ -808,6 +833,21 @@ TEST_F(LdpdTest, LdpCaptureWritesACaptureFolderAndNothingElse) {
   const Finished again = Process(words, room_ / "said").wait();
   EXPECT_EQ(again.status, 2);
   EXPECT_THAT(again.said, HasSubstr("not empty"));
+}
+
+TEST_F(LdpdTest, LdpCaptureTakesNoFileForAFolderAndNoNameForOne) {
+  std::vector<std::string> words{LDP_DEVICE_PROGRAM, "capture",
+                                 "--camera",         "folder:" + (room_ / "frames").string(),
+                                 "--button",         "script:" + (room_ / "script").string()};
+  const Finished unnamed = Process(words, room_ / "unnamed").wait();
+  EXPECT_EQ(unnamed.status, 2);
+  EXPECT_THAT(unnamed.said, HasSubstr("no output folder is named: add -o DIR"));
+  std::ofstream(room_ / "file") << "kept";
+  words.insert(words.end(), {"-o", (room_ / "file").string()});
+  const Finished file = Process(words, room_ / "said").wait();
+  EXPECT_EQ(file.status, 2);
+  EXPECT_THAT(file.said, HasSubstr("file: is a file: name a new folder"));
+  EXPECT_EQ(text_of(room_ / "file"), "kept");
 }
 
 TEST_F(LdpdTest, LdpCaptureLeavesNothingWhereNoFrameWasKept) {

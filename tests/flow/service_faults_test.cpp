@@ -86,6 +86,20 @@ TEST_F(LdpdTest, AKeyboardThatHangsUpIsLostAndDoesNotKeepTheServiceAwake) {
   EXPECT_LT(polls_in(room_ / "faults"), 60);
 }
 
+// Between two ticks it sleeps, and every tick it does what a tick is for: a script that came late is found.
+TEST_F(LdpdTest, AServiceThatWaitsWakesForItsTicksOnlyAndDoesMissNone) {
+  const std::vector<std::string> words = command({"--status", "console:"});
+  fs::remove(room_ / "script");
+  Process service(with_faults("", words), room_ / "said");
+  ASSERT_TRUE(service.says("the button is missing"));
+  script("wait 600000");
+  EXPECT_TRUE(service.says("idle: ready", 10)) << text_of(room_ / "said");
+  std::this_thread::sleep_for(milliseconds(1500));
+  EXPECT_EQ(service.stop(SIGTERM).status, 0);
+  EXPECT_GT(polls_in(room_ / "faults"), 2);
+  EXPECT_LT(polls_in(room_ / "faults"), 60);
+}
+
 TEST_F(LdpdTest, AKeyboardThatHangsUpEndsASingleRunThatWaitsForIt) {
   Terminal terminal;
   Process waiting({LDP_DEVICE_PROGRAM, "capture", "--camera", "folder:" + (room_ / "frames").string(), "--status",
