@@ -201,8 +201,8 @@ void SweepReconstruction::coarse_refinement(IterativeRefinement& refinement, Rec
   refinement.use_threads(job_.threads / 2);
   IterativeRefinement wide_refinement = refinement;
   parallel_for(job_, 2, [&](int which) {
-    which == 0 ? refinement.iterate(coarse, kMatchTolerances_px[0], kTightArcSigma, result)
-               : wide_refinement.iterate(coarse, kMatchTolerances_px[0], kWideArcSigma, wide);
+    which == 0 ? refinement.iterate(coarse, kCoarseTolerance_px, kTightArcSigma, result)
+               : wide_refinement.iterate(coarse, kCoarseTolerance_px, kWideArcSigma, wide);
   });
   refinement.use_threads(job_.threads);
   if (inliers(wide) < kWideArcGain * inliers(result)) return;
@@ -251,16 +251,16 @@ Reconstruction SweepReconstruction::registered_incrementally(IncrementalResult s
     if (!start.posed[i] && !general.left_out[i]) general.left_out[i].cause = LeftOutCause::few_shared_points;
   }
   is_arc = normalise_to_sphere(general.left_out, general.bundle);
-  general.tracks = triangulate_inliers(without_left_out(tracks_, general.left_out),
-                                       sweep_.pixels(kMatchTolerances_px[2]), false, general.bundle, job_);
+  general.tracks = triangulate_inliers(without_left_out(tracks_, general.left_out), sweep_.pixels(kFineTolerance_px),
+                                       false, general.bundle, job_);
   return general;
 }
 
 void SweepReconstruction::refine_on_matches() {
-  refinement_.iterate(longest(), kMatchTolerances_px[1], kArcSigma, result_);
+  refinement_.iterate(longest(), kMediumTolerance_px, kArcSigma, result_);
   if (refinement_.has_arc_prior() && resect_lost_frames(sweep_, result_)) {
-    refinement_.iterate(longest(), kMatchTolerances_px[0], kTightArcSigma, result_);
-    refinement_.iterate(longest(), kMatchTolerances_px[1], kArcSigma, result_);
+    refinement_.iterate(longest(), kCoarseTolerance_px, kTightArcSigma, result_);
+    refinement_.iterate(longest(), kMediumTolerance_px, kArcSigma, result_);
   }
   match_again_if_poor();
   final_match_refinement(sweep_, tracks_, refinement_, job_, result_);
@@ -271,7 +271,7 @@ void SweepReconstruction::match_again_if_poor() {
   if (is_rotation() || observations(tracks_) >= rich) return;
   const std::vector<PairMatches> pairs = match_guided(sweep_, result_.bundle, result_.left_out, job_);
   tracks_ = without_left_out(build_tracks(sweep_.features, pairs), result_.left_out);
-  refinement_.iterate(longest(), kMatchTolerances_px[1], kArcSigma, result_);
+  refinement_.iterate(longest(), kMediumTolerance_px, kArcSigma, result_);
 }
 
 void SweepReconstruction::refine_on_klt_tracks() {

@@ -78,7 +78,8 @@ Plane<T> cut_columns(const Plane<T>& plane, int begin, int end) {
 }
 
 int strip_px_of(const Layer& layer) {
-  const int unit = layer.depth.block_px == 0 ? kTile : std::lcm(kTile, layer.depth.block_px);
+  const int block_px = layer.depth.block_px;
+  const int unit = block_px == 0 ? kTile : kTile / std::gcd(kTile, block_px) * block_px;
   return (kStripPx + unit - 1) / unit * unit;
 }
 

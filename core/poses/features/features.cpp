@@ -59,7 +59,7 @@ std::vector<Keypoint> select_keypoints(const Sift& sift, const GreyImage& pictur
 void append_root_sift(const Sift::Histograms& histograms, std::vector<int16_t>& descriptors) {
   const double sum = std::max(1, std::accumulate(histograms.begin(), histograms.end(), 0));
   for (const uint8_t h : histograms) {
-    descriptors.push_back(static_cast<int16_t>(kDescriptorNorm * std::sqrt(h / sum) + 0.5));
+    descriptors.push_back(static_cast<int16_t>(std::floor(kDescriptorNorm * std::sqrt(h / sum) + 0.5)));
   }
 }
 

@@ -19,6 +19,8 @@ static_assert(kCells == sift::kCells && kOrientations == sift::kOrientations);
 constexpr float kLength = 512;  // of the descriptor as bytes
 constexpr double kPi = std::numbers::pi;
 
+int nearest_whole(double x) { return static_cast<int>(std::floor(x + 0.5)); }
+
 // Calls use(row) for the rows of a window of Gaussian weights around a keypoint.
 template <typename Use>
 void for_window_rows(const Plane<float>& image, const Keypoint& around, int reach, double sigma, Use use) {
@@ -26,7 +28,7 @@ void for_window_rows(const Plane<float>& image, const Keypoint& around, int reac
   std::vector<float> weights(half.rbegin(), half.rend());
   weights.insert(weights.end(), half.begin() + 1, half.end());
   if (weights.size() > sift::kMaxWindow) throw std::logic_error("Sift: a keypoint's scale is none of its octave's");
-  const int x = static_cast<int>(around.x + 0.5), y = static_cast<int>(around.y + 0.5);
+  const int x = nearest_whole(around.x), y = nearest_whole(around.y);
   sift::WindowRow row{nullptr,
                       image.width,
                       0,
@@ -43,7 +45,7 @@ void for_window_rows(const Plane<float>& image, const Keypoint& around, int reac
 std::vector<double> orientations(const Plane<float>& image, const Keypoint& keypoint) {
   float bins[kOrientationBins] = {};
   const double sigma = kOrientationWindowSigmas * keypoint.sigma;
-  for_window_rows(image, keypoint, static_cast<int>(3 * sigma + 0.5), sigma,
+  for_window_rows(image, keypoint, nearest_whole(3 * sigma), sigma,
                   [&](const sift::WindowRow& row) { sift::best().add_to_orientation_histogram(row, bins); });
   std::array<float, kOrientationBins> smooth{};
   const auto around = [](const auto& b, size_t i, size_t step) { return b[(i + step) % kOrientationBins]; };
@@ -111,7 +113,7 @@ Sift::Histograms Sift::describe(const Keypoint& keypoint) const {
   const SineCosine turn = exact_sine_cosine(keypoint.angle_rad);
   const sift::PatchRotation to_cells{static_cast<float>(turn.cosine / cell), static_cast<float>(turn.sine / cell),
                                      static_cast<float>(keypoint.angle_rad)};
-  const int reach = static_cast<int>(cell * std::numbers::sqrt2 * 0.5 * (kCells + 1) + 0.5);
+  const int reach = nearest_whole(cell * std::numbers::sqrt2 * 0.5 * (kCells + 1));
   sift::Cells cells = {};
   for_window_rows(level_of(keypoint), keypoint, reach, 0.5 * kCells * cell,
                   [&](const sift::WindowRow& row) { sift::best().add_to_descriptor(row, to_cells, cells); });

@@ -54,7 +54,7 @@ void IterativeRefinement::iterate(const std::vector<Track>& tracks, double toler
                              : tolerance == kKltTolerances_px[0] ? kKltTwoViewWeight
                                                                  : kMatchTwoViewWeight;
   options_.correct_curvature = tolerance <= kKltTolerances_px[0];
-  options_.function_tolerance = tolerance > kMatchTolerances_px[2] ? kCoarseFunctionTolerance
+  options_.function_tolerance = tolerance > kFineTolerance_px      ? kCoarseFunctionTolerance
                                 : tolerance > kKltTolerances_px[1] ? kMediumFunctionTolerance
                                                                    : kFineFunctionTolerance;
   cost_ = adjust_bundle(r.bundle, options_, job_).cost;

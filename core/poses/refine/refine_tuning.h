@@ -8,7 +8,9 @@
 namespace ldp::sfm {
 
 // Iterations (iterative_refinement.h).
-constexpr double kMatchTolerances_px[] = {12, 5, 3};       // pixels of 800, of iterations on matches
+constexpr double kCoarseTolerance_px = 12, kMediumTolerance_px = 5,  // pixels of 800, of iterations on matches, from
+    kFineTolerance_px = 3;                                           // the first to the last
+constexpr double kMatchTolerances_px[] = {kCoarseTolerance_px, kMediumTolerance_px, kFineTolerance_px};
 constexpr double kKltTolerances_px[] = {4, 2};             // and on tracks by KLT
 constexpr double kTightArcSigma = 0.02, kArcSigma = 0.05;  // at first and later: what walks by is told from what stands
                                                            // as long as cameras are kept near their circle

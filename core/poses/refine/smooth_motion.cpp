@@ -12,7 +12,7 @@ namespace {
 
 std::vector<Track> inlier_tracks(const MatchedSweep& sweep, const std::vector<Track>& tracks, Reconstruction r,
                                  const Job& job) {
-  return triangulate_inliers(tracks, sweep.pixels(kMatchTolerances_px[2]), false, r.bundle, job);
+  return triangulate_inliers(tracks, sweep.pixels(kFineTolerance_px), false, r.bundle, job);
 }
 
 // Cameras put back on their sphere and held near it while inliers gather. Distortion stays: freed, it would take on
@@ -78,7 +78,7 @@ void final_match_refinement(const MatchedSweep& sweep, const std::vector<Track>&
   const IterativeRefinement before = refinement;
   parallel_for(job, has_arc_prior ? 2 : 1, [&](int which) {
     if (which == 1) return refine_smoothly(sweep, tracks, before, smooth);
-    refinement.iterate(tracks, kMatchTolerances_px[2], kArcSigma, result);
+    refinement.iterate(tracks, kFineTolerance_px, kArcSigma, result);
     refinement.select_distortion_model(result);
   });
   refinement.use_threads(job.threads);
