@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/exact_math.h"
 
@@ -40,6 +41,20 @@ class Frames {
   const std::vector<Camera>& cameras_;
 };
 
+// Places of one column of the panorama.
+class Column {
+ public:
+  Column(const PanoramaGrid& grid, int x)
+      : grid_(grid), origin_(grid.origin(grid.theta(x + 0.5))), outward_(grid.arc.outward(grid.theta(x + 0.5))) {}
+  Eigen::Vector3d place(int y, double w) const {
+    return origin_ + (outward_ + grid_.v(y + 0.5) * grid_.arc.axis()) / w;
+  }
+
+ private:
+  const PanoramaGrid& grid_;
+  Eigen::Vector3d origin_, outward_;
+};
+
 // One end of the columns: `step` is -1 upwards, 1 downwards.
 class End {
  public:
@@ -55,8 +70,8 @@ class End {
     height_ = limits.height;
   }
 
-  PreparedLayer extended() {
-    for (int x = 0; x < front_.w.width; ++x) extend_column(x);
+  SparseColumns extended() {
+    for (const auto& [x, y] : ends()) extend(x, y);
     drop_unwitnessed();
     return layer();
   }
@@ -74,10 +89,19 @@ class End {
     return static_cast<int>(std::min(rows, kMostOfRows * grid_.height));
   }
 
-  void extend_column(int x) {
+  // Column by column; looked for row by row, as they lie in memory.
+  std::vector<std::pair<int, int>> ends() const {
+    std::vector<std::pair<int, int>> found;
     for (int y = 0; y < grid_.height; ++y)
-      if (ends(x, y))
-        if (const int rows = rows_beyond(x, y); rows > 0) pieces_.push_back({x, y, rows, witnessed(x, y)});
+      for (int x = 0; x < front_.w.width; ++x)
+        if (ends(x, y)) found.emplace_back(x, y);
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+
+  void extend(int x, int y) {
+    const Column column(grid_, x);
+    if (const int rows = rows_beyond(column, x, y); rows > 0) pieces_.push_back({x, y, rows, witnessed(column, x, y)});
   }
 
   bool ends(int x, int y) const {
@@ -103,22 +127,20 @@ class End {
   }
 
   // Whether two photographs could show this surface, not only its end: what one alone shows may have any depth.
-  bool witnessed(int x, int y) const {
+  bool witnessed(const Column& column, int x, int y) const {
     const double w = front_.w.at(x, y);
     for (int i = 0, own = own_rows(x, y), rows = 0; i < own; i += kRowStep) {
-      if (frames_.showing(grid_.point(grid_.theta(x + 0.5), grid_.v(y - step_ * i + 0.5), w), 2)) rows += kRowStep;
+      if (frames_.showing(column.place(y - step_ * i, w), 2)) rows += kRowStep;
       if (rows >= kWitnessedRows) return true;
     }
     return false;
   }
 
-  int rows_beyond(int x, int y) const {
+  int rows_beyond(const Column& column, int x, int y) const {
     const double w = front_.w.at(x, y);
     const int most = most_rows(w);
     int rows = 0;
-    while (rows < most &&
-           !frames_.showing(grid_.point(grid_.theta(x + 0.5), grid_.v(y + step_ * (rows + 1) + 0.5), w), 1))
-      ++rows;
+    while (rows < most && !frames_.showing(column.place(y + step_ * (rows + 1), w), 1)) ++rows;
     return rows;
   }
 
@@ -131,44 +153,44 @@ class End {
   }
 
   // Whether pieces to one side of a piece, within kBridge columns, have one on its surface that is witnessed.
-  bool has_witness(size_t own, std::ptrdiff_t side) const {
+  bool has_witness(size_t own, int side) const {
     const float w = front_.w.at(pieces_[own].x, pieces_[own].from);
-    for (size_t i = own + static_cast<size_t>(side); i < pieces_.size(); i += static_cast<size_t>(side)) {
-      const Piece& other = pieces_[i];
-      if (std::abs(other.x - pieces_[own].x) > kBridge) return false;
+    const size_t count = pieces_.size();
+    for (size_t i = 1; i < count; ++i) {
+      const Piece& other = pieces_[side > 0 ? (own + i) % count : (own + count - i) % count];
+      const int columns = columns_aside(pieces_[own].x, other.x, side);
+      if (columns < 0 || columns > kBridge) return false;
       const float there = front_.w.at(other.x, other.from);
-      if (other.witnessed && std::abs(there - w) < kBridgeShare * w) return true;
+      if (columns > 0 && other.witnessed && std::abs(there - w) < kBridgeShare * w) return true;
     }
     return false;
   }
 
-  PreparedLayer layer() const {
-    PreparedLayer made;
-    if (pieces_.empty()) return made;
-    int first = grid_.height, last = 0;
+  // How far column `to` is on one side of `from`; negative where it is on the other.
+  int columns_aside(int from, int to, int side) const {
+    const int columns = side * (to - from);
+    return grid_.wraps ? (columns + grid_.width) % grid_.width : columns;
+  }
+
+  SparseColumns layer() const {
+    std::vector<SparseColumns::Rows> rows(static_cast<size_t>(front_.w.width));
     for (const Piece& p : pieces_) {
-      const int end = p.from + step_ * p.rows;
-      first = std::min({first, p.from, end});
-      last = std::max({last, p.from, end});
+      rows[static_cast<size_t>(p.x)].include(p.from);
+      rows[static_cast<size_t>(p.x)].include(p.from + step_ * p.rows);
     }
-    const int rows = last - first + 1, columns = front_.w.width;
-    made = {Plane<float>(columns, rows, kAbsent), Plane<Rgba>(columns, rows),
-            Plane<uint16_t>(columns, rows, kNoDisparity), Plane<uint8_t>(columns, rows), first};
+    SparseColumns made(std::move(rows));
     for (const Piece& p : pieces_) fill(p, made);
     return made;
   }
 
-  void fill(const Piece& p, PreparedLayer& made) const {
+  void fill(const Piece& p, SparseColumns& made) const {
     const float w = front_.w.at(p.x, p.from);
     const int own = own_rows(p.x, p.from);
     for (int i = 0; i <= p.rows; ++i) {
-      const int row = p.from + step_ * i - made.top, phase = i % (2 * own),
-                mirrored = p.from - step_ * std::min(phase, 2 * own - 1 - phase);
-      if (made.w.at(p.x, row) >= w) continue;
-      made.w.at(p.x, row) = w;
-      made.code.at(p.x, row) = front_.code.at(p.x, p.from);
-      made.step.at(p.x, row) = front_.step.at(p.x, p.from);
-      made.colour.at(p.x, row) = front_.colour.at(p.x, mirrored);
+      SparsePixel& pixel = made.slot(p.x, p.from + step_ * i);
+      if (pixel.w >= w) continue;
+      const int phase = i % (2 * own), mirrored = p.from - step_ * std::min(phase, 2 * own - 1 - phase);
+      pixel = {w, front_.colour.at(p.x, mirrored), front_.code.at(p.x, p.from), front_.step.at(p.x, p.from)};
     }
   }
 
@@ -184,13 +206,13 @@ class End {
 
 }  // namespace
 
-std::vector<PreparedLayer> extend_beyond_frames(const PreparedLayer& front, const CodedDepths& depths,
+std::vector<SparseColumns> extend_beyond_frames(const PreparedLayer& front, const CodedDepths& depths,
                                                 const LayeredPanorama& panorama, float parallax) {
-  std::vector<PreparedLayer> made;
+  std::vector<SparseColumns> made;
   if (panorama.cameras.empty()) return made;
   for (const int step : {-1, 1}) {
-    PreparedLayer end = End(front, depths, panorama, parallax, step).extended();
-    if (!end.w.empty()) made.push_back(std::move(end));
+    SparseColumns end = End(front, depths, panorama, parallax, step).extended();
+    if (!end.empty()) made.push_back(std::move(end));
   }
   return made;
 }

@@ -11,12 +11,13 @@
 
 #include "core/panorama/panorama.h"
 #include "core/view/mesh/prepared_layer.h"
+#include "core/view/mesh/sparse_columns.h"
 
 namespace ldp::view {
 
-// A layer of rows for each end of the columns at which anything goes on. `front`: of `panorama`, whose own layers are
-// not looked at; without cameras in it nothing is made up.
-std::vector<PreparedLayer> extend_beyond_frames(const PreparedLayer& front, const CodedDepths& depths,
+// A layer for each end of the columns at which anything goes on. `front`: of `panorama`, whose own layers are not
+// looked at; without cameras in it nothing is made up.
+std::vector<SparseColumns> extend_beyond_frames(const PreparedLayer& front, const CodedDepths& depths,
                                                 const LayeredPanorama& panorama, float parallax);
 
 }  // namespace ldp::view

@@ -12,6 +12,7 @@
 #include "core/geometry/same_surface.h"
 #include "core/view/mesh/frame_extension.h"
 #include "core/view/mesh/prepared_layer.h"
+#include "core/view/mesh/sparse_columns.h"
 #include "core/view/mesh/torn_quads.h"
 #include "core/view/mesh/underlay.h"
 
@@ -142,9 +143,18 @@ class Builder {
     return view::connected(a.code_w, a.step, b.code_w, b.step, parallax_);
   }
 
+  // Layers are counted on from the panorama's to the underlay and to what is made up beyond the frames.
+  int layer_count() const { return static_cast<int>(layers_.size() + beyond_.size()); }
+  bool is_sparse(int layer) const { return static_cast<size_t>(layer) >= layers_.size(); }
+  const SparseColumns& sparse(int layer) const { return beyond_[static_cast<size_t>(layer) - layers_.size()]; }
+  SparseColumns::Rows rows(int layer) const {
+    return is_sparse(layer) ? sparse(layer).rows() : SparseColumns::Rows{0, grid_.height};
+  }
+
   PanoramaGrid grid_;
   CodedDepths depths_;
   std::vector<PreparedLayer> layers_;
+  std::vector<SparseColumns> beyond_;
   float parallax_ = 0;
 };
 
@@ -161,9 +171,13 @@ void Builder::add(const Layer& layer) {
 }
 
 Corner Builder::corner(int layer, int x, int y) const {
+  if (is_sparse(layer)) {
+    const SparsePixel pixel = sparse(layer).at(x, y);
+    return {pixel.w, depths_.w(pixel.code), depths_.step(pixel.step), pixel.colour};
+  }
   const PreparedLayer& from = layers_[static_cast<size_t>(layer)];
-  if (!from.step.contains(x, y - from.top)) return {};
-  const size_t i = from.step.index(x, y - from.top);
+  if (!from.step.contains(x, y)) return {};
+  const size_t i = from.step.index(x, y);
   return {from.w.samples[i], depths_.w(from.code.samples[i]), depths_.step(from.step.samples[i]),
           from.colour.samples[i]};
 }
@@ -188,7 +202,7 @@ std::array<int, 4> Builder::group(const Corners& c) const {
 Corner Builder::extend(int layer, const Corner& from, int x, int y) const {
   Corner best;
   bool hidden = false;
-  for (int other = 0; other < static_cast<int>(layers_.size()); ++other) {
+  for (int other = 0; other < layer_count(); ++other) {
     const Corner c = corner(other, x, y);
     if (!c.present()) continue;
     if (other != layer && connected(from, c) && (!best.present() || std::abs(c.w - from.w) < std::abs(best.w - from.w)))
@@ -238,14 +252,13 @@ void Builder::build_quad(MeshTile& tile, std::vector<TornQuad>& torn, int x, int
 }
 
 void Builder::copy_vertices(MeshTile& tile) const {
-  const PreparedLayer& from = layers_[static_cast<size_t>(tile.layer)];
   tile.w.assign(size_t{kTileVertices} * kTileVertices, kAbsent);
   tile.colour.assign(size_t{kTileVertices} * kTileVertices, 0);
-  const int y0 = tile.y0 - from.top;
-  for (int y = 0; y < std::min(kTileVertices, from.w.height - y0); ++y)
-    for (int x = 0; x < std::min(kTileVertices, from.w.width - tile.x0); ++x) {
-      tile.w[MeshTile::index(x, y)] = from.w.at(tile.x0 + x, y0 + y);
-      tile.colour[MeshTile::index(x, y)] = from.colour.at(tile.x0 + x, y0 + y);
+  for (int y = 0; y < kTileVertices; ++y)
+    for (int x = 0; x < kTileVertices; ++x) {
+      const Corner c = corner(tile.layer, tile.x0 + x, tile.y0 + y);
+      tile.w[MeshTile::index(x, y)] = c.w;
+      tile.colour[MeshTile::index(x, y)] = c.colour;
     }
 }
 
@@ -275,8 +288,8 @@ MeshTile Builder::build_tile(int layer, int x0, int y0, int x_end) const {
   tile.x0 = x0;
   tile.y0 = y0;
   const int x1 = std::min(x0 + kTilePx, x_end);
-  const PreparedLayer& from = layers_[static_cast<size_t>(layer)];
-  const int y1 = std::min(y0 + kTilePx, from.top + from.w.height - 1);
+  const int y1 = std::min(y0 + kTilePx, rows(layer).end - 1);
+  if (is_sparse(layer) && !sparse(layer).any(x0, x1 + 1, y0, y1 + 1)) return tile;
   std::vector<TornQuad> torn;
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) build_quad(tile, torn, x, y);
@@ -289,17 +302,16 @@ MeshTile Builder::build_tile(int layer, int x0, int y0, int x_end) const {
 
 void Builder::add_made_up(const LayeredPanorama& panorama) {
   PreparedLayer underlay = make_underlay(layers_, depths_, grid_.wraps, parallax_);
-  std::vector<PreparedLayer> beyond = extend_beyond_frames(layers_.front(), depths_, panorama, parallax_);
+  beyond_ = extend_beyond_frames(layers_.front(), depths_, panorama, parallax_);
   layers_.push_back(std::move(underlay));
-  for (PreparedLayer& layer : beyond) layers_.push_back(std::move(layer));
 }
 
 void Builder::add_tiles(int layer, int begin, int end, const Job& job, Mesh& mesh) const {
-  const PreparedLayer& from = layers_[static_cast<size_t>(layer)];
-  const int across = (end - begin + kTilePx - 1) / kTilePx, down = (from.w.height - 1 + kTilePx - 1) / kTilePx;
+  const SparseColumns::Rows in = rows(layer);
+  const int across = (end - begin + kTilePx - 1) / kTilePx, down = (in.end - in.begin - 1 + kTilePx - 1) / kTilePx;
   std::vector<MeshTile> tiles(static_cast<size_t>(std::max(0, across * down)));
   parallel_for(job, static_cast<int>(tiles.size()), [&](int i) {
-    MeshTile tile = build_tile(layer, begin + i % across * kTilePx, from.top + i / across * kTilePx, end);
+    MeshTile tile = build_tile(layer, begin + i % across * kTilePx, in.begin + i / across * kTilePx, end);
     tile.y0 -= mesh.first_row;
     tiles[static_cast<size_t>(i)] = std::move(tile);
   });
@@ -312,12 +324,12 @@ Mesh Builder::build(const LayeredPanorama& panorama, int begin, int end, const J
   mesh.layers = static_cast<int>(layers_.size());
   if (!layers_.empty()) add_made_up(panorama);
   int end_row = grid_.height;
-  for (const PreparedLayer& layer : layers_) {
-    mesh.first_row = std::min(mesh.first_row, layer.top);
-    end_row = std::max(end_row, layer.top + layer.w.height);
+  for (const SparseColumns& layer : beyond_) {
+    mesh.first_row = std::min(mesh.first_row, layer.rows().begin);
+    end_row = std::max(end_row, layer.rows().end);
   }
   mesh.rows = end_row - mesh.first_row;
-  for (int layer = 0; layer < static_cast<int>(layers_.size()); ++layer) add_tiles(layer, begin, end, job, mesh);
+  for (int layer = 0; layer < layer_count(); ++layer) add_tiles(layer, begin, end, job, mesh);
   return mesh;
 }
 

@@ -19,7 +19,6 @@ struct PreparedLayer {
   // For telling surfaces apart: disparity exactly as coded (kNoDisparity where absent), and between neighbouring codes.
   Plane<uint16_t> code;
   Plane<uint8_t> step;
-  int top = 0;  // the panorama's row that is the first here
 };
 
 // Inverse depths of codes.
