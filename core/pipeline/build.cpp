@@ -1,9 +1,7 @@
 #include "core/pipeline/build.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <utility>
 
@@ -12,10 +10,13 @@
 #include "core/colour/colour.h"
 #include "core/consistency/consistency.h"
 #include "core/layers/layers.h"
+#include "core/pipeline/code_layers.h"
 #include "core/pipeline/debug_pictures.h"
-#include "core/pipeline/memory_budget.h"
+#include "core/pipeline/grid_layout.h"
+#include "core/pipeline/pipeline_tuning.h"
 #include "core/pipeline/pose_evidence.h"
 #include "core/pipeline/stage_order.h"
+#include "core/pipeline/stopwatch.h"
 #include "core/rectify/rectify.h"
 #include "core/sweep/cost_volume.h"
 #include "core/verdict/judge.h"
@@ -23,6 +24,8 @@
 
 namespace ldp {
 namespace {
+
+using namespace pipeline;  // tuned constants
 
 void require(bool sound, const std::string& field, int value, const std::string& bounds) {
   if (!sound) throw std::logic_error("BuildOptions: " + field + " is " + std::to_string(value) + ", must be " + bounds);
@@ -35,43 +38,6 @@ void check(const BuildOptions& options) {
   require(options.block_px >= 0, "block_px", options.block_px, "0 or more");
 }
 
-constexpr double kCoarser = 1.05, kCoarsest = 3;  // steps of the panorama's pitch, and its limit, to save memory
-constexpr double kFull = 0.75;  // share of the memory allowed at which large arrays are let go: it takes a moment
-// Message passing and expansion of every cut. As many cycles as find something take longer for views as good.
-constexpr int kIterations = 4, kCycles = 1;
-// What an iteration before the last finds only hides voxels: it is swept in fewer steps, with less message passing, and
-// not expanded at all. Views are as good as with all of it, for half of its time (with 4, 2 and 1 iterations garden
-// 20.27, 20.28, 20.26 dB, redkitchen_arc 22.96, 23.03, 23.03, desk_sweep 20.34, 20.51, 20.44).
-constexpr int kHidingSubsteps = 4, kHidingIterations = 2, kHidingCycles = 0;
-// Parallax over one arc radius to which depths are known; behind the front, where fewer cameras see, to twice as much.
-constexpr double kKnownPx = 2.5;
-// What lies less behind the surface in front of it is not kept: within the viewing space it shows by half as much, as a
-// rim that a renderer gets by letting the background go on underneath.
-constexpr double kSeparatePx = 10;
-constexpr int kSpeckPx = 8;       // parts of layers behind that hold fewer pixels are not kept
-constexpr int kSilhouettePx = 4;  // by so much the sweep's windows may widen a near surface, and the cut a little more
-
-// Adds the time since its making, or since the last lap, to a stage of the report.
-class Stopwatch {
- public:
-  explicit Stopwatch(BuildReport& report) : report_(report) {}
-  void lap(const std::string& stage) {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    for (auto& [name, sum] : report_.seconds)
-      if (name == stage) {
-        sum += seconds;
-        return;
-      }
-    report_.seconds.emplace_back(stage, seconds);
-  }
-
- private:
-  BuildReport& report_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
 // What a build knows so far. Disparity maps stand for layers until their colours are fetched.
 class Build {
  public:
@@ -79,7 +45,7 @@ class Build {
       : frames_(frames),
         options_(options),
         job_(job),
-        watch_(report_),
+        watch_(report_.seconds),
         pictures_(options.debug_directory),
         begun_(std::move(begun)) {}
 
@@ -101,91 +67,19 @@ class Build {
   void lay_out() {
     report_.arc = fit_arc(poses_.cameras);
     if (const std::string what = sideways(poses_.cameras); !what.empty()) report_.notes.push_back(what);
-    GridOptions grid;
-    grid.rays = options_.rays;
-    grid.near_depth = options_.near_depth;
-    grid.far_depth = options_.far_depth;
     watch_.lap("arc");
-    lay_finest_grid(grid);
-    check_range();
+    layout_ = std::make_unique<GridLayout>(poses_, report_.arc.arc, options_, report_.notes);
     watch_.lap("arc");
-    upright_ =
-        rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc, grid.pitch_px, job_);
+    upright_ = rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc,
+                       layout_->pitch_px(), job_);
     watch_.lap("rectify");
-    if (grid.near_depth == 0 && parallax()) take_in_what_is_nearer(grid);
+    if (parallax()) layout_->take_in_what_is_nearer(upright_, job_);
+    grid_ = layout_->grid();
+    columns_of_colour_ = layout_->columns_of_colour();
     watch_.lap("depth range");
   }
 
-  // Lays the finest grid that fits the memory allowed.
-  void lay_finest_grid(GridOptions& options) {
-    while (!lay(options)) {
-      if (options.pitch_px > kCoarsest)
-        throw Impossible("this sweep needs at least " + mebibytes(scratch_ ? needed_.least : needed_.all) +
-                         " of memory, " + mebibytes(options_.memory_bytes) +
-                         " are allowed (memory_bytes): allow more or use smaller photos");
-      options.pitch_px *= kCoarser;
-    }
-    if (options.pitch_px > 1)
-      report_.notes.push_back("to fit the memory allowed, a row of the panorama spans " +
-                              std::to_string(options.pitch_px).substr(0, 4) + " of the photos'");
-  }
-
-  // A depth that was asked for may lie on the wrong side of the one that the photos tell.
-  void check_range() const {
-    if (!parallax() || grid_.w_far < grid_.w_near) return;
-    const bool far_given = options_.far_depth > 0;
-    const auto text = [](double value) {
-      char digits[32];
-      std::snprintf(digits, sizeof digits, "%.4g", value);
-      return std::string(digits);
-    };
-    throw std::invalid_argument(
-        (far_given ? "far_depth " + text(options_.far_depth) : "near_depth " + text(options_.near_depth)) +
-        (far_given ? ": is nearer than what is nearest in the photos, at "
-                   : ": is farther than what is farthest in the photos, at ") +
-        text(1 / (far_given ? grid_.w_near : grid_.w_far)) +
-        (far_given ? ": give a larger one, or near_depth too" : ": give a smaller one, or far_depth too"));
-  }
-
-  // Whether the grid fits the memory allowed; what does not fit goes to files where it may.
-  bool lay(const GridOptions& options) {
-    const size_t allowed = options_.memory_bytes > 0 ? options_.memory_bytes : kEasyMemory;
-    const Intrinsics& k = poses_.cameras.front().intrinsics;
-    const size_t photo_px = static_cast<size_t>(k.width) * static_cast<size_t>(k.height);
-    grid_ = lay_grid(report_.arc.arc, poses_.cameras, poses_.points, options);
-    columns_of_colour_ = columns_of_colour(grid_, poses_.cameras, poses_.points);
-    needed_ = expected_memory(grid_, columns_of_colour_, photo_px,
-                              upright_pixels(poses_.cameras, report_.arc.arc, options.pitch_px), options_.layers);
-    if (needed_.all > allowed && !std::exchange(tried_scratch_, true)) open_scratch(allowed);
-    return options_.memory_bytes == 0 || (scratch_ ? needed_.least : needed_.all) <= allowed;
-  }
-
-  // What is nearer than the feature points tell widens the range, and the grid a little; not where memory does not
-  // allow it. (Scratch files cannot take the upright frames any more.)
-  void take_in_what_is_nearer(GridOptions options) {
-    const PanoramaGrid laid = grid_;
-    const int columns_laid = columns_of_colour_;
-    options.matched_near = matched_near(upright_, grid_, job_);
-    tried_scratch_ = true;
-    if (options.matched_near > grid_.w_near && !lay(options)) grid_ = laid, columns_of_colour_ = columns_laid;
-  }
-
-  void open_scratch(size_t allowed) {
-    if (options_.scratch_directory.empty()) return;
-    try {
-      scratch_ = std::make_unique<ScratchSpace>(options_.scratch_directory,
-                                                static_cast<size_t>(kFull * static_cast<double>(allowed)));
-    } catch (const std::runtime_error& error) {
-      report_.notes.push_back(std::string("everything is kept in memory: ") + error.what());
-    }
-  }
-
-  static std::string mebibytes(size_t bytes) {
-    if (bytes < 1 << 20) return std::to_string(bytes) + " bytes";
-    return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB";
-  }
-
-  bool parallax() const { return poses_.report.motion != Motion::rotation; }
+  bool parallax() const { return has_parallax(poses_); }
 
   void one_far_layer() {
     report_.notes.push_back("no parallax was found: one far layer");
@@ -340,7 +234,7 @@ class Build {
     panorama.grid = grid_;
     panorama.cameras = poses_.cameras;
     panorama.limits = viewing_limits();
-    panorama.layers = coded_layers();
+    panorama.layers = code_layers(grid_, columns_of_colour_, options_.block_px, layers_, sources_);
     fetch(panorama.layers);
     for (size_t k = 0; k < layers_.size(); ++k) {
       const auto present =
@@ -355,60 +249,8 @@ class Build {
     panorama.quality = figures_of(report_.quality);
     watch_.lap("verdict");
     result.report = std::move(report_);
-    result.scratch = std::move(scratch_);
+    result.scratch = layout_->give_scratch();
     return result;
-  }
-
-  std::vector<Layer> coded_layers() {
-    std::vector<Layer> layers;
-    Plane<int16_t> farthest(grid_.width, grid_.height, kDisparitySteps);  // disparity at most that the next layer shows
-    for (size_t k = 0; k < layers_.size(); ++k) {
-      drop_inseparable(farthest, layers_[k]);
-      if (k > 0) drop_small_components(kSpeckPx * columns_of_colour_, grid_.wraps, layers_[k]);
-      drop_sources(layers_[k], sources_[k]);
-      layers.push_back(coded(layers_[k], k == 0 ? kKnownPx : 2 * kKnownPx));
-      move_back(layers[k], farthest);
-    }
-    return layers;
-  }
-
-  int steps_of_parallax(double px) const {
-    LayersOptions options;
-    options.gap_px = px;
-    return gap_steps(grid_, options);
-  }
-
-  static void drop_inseparable(const Plane<int16_t>& farthest, DisparityMap& layer) {
-    for (size_t i = 0; i < layer.samples.size(); ++i)
-      if (layer.samples[i] != kNoDisparity && layer.samples[i] > farthest.samples[i]) layer.samples[i] = kNoDisparity;
-  }
-
-  static void drop_sources(const DisparityMap& layer, SourceMap& source) {
-    for (int y = 0; y < layer.height; ++y)
-      for (int x = 0; x < layer.width; ++x)
-        if (layer.at(x, y) == kNoDisparity) source.set(x, y, kNoSource);
-  }
-
-  // Surfaces less than two codes apart are one to a renderer.
-  void move_back(const Layer& layer, Plane<int16_t>& farthest) const {
-    const int separate = steps_of_parallax(kSeparatePx);
-    for (int y = 0; y < grid_.height; ++y)
-      for (int x = 0; x < grid_.width; ++x) {
-        if (!layer.coverage.at(x, y)) continue;
-        const BlockRange range = layer.depth.range(x, y);
-        const int apart = std::max(separate, 2 * (range.high - range.low));
-        farthest.at(x, y) = static_cast<int16_t>(layer.depth.disparity(x, y) - apart);
-      }
-  }
-
-  Layer coded(const DisparityMap& disparity, double known_px) const {
-    Layer layer;
-    layer.depth = encode_depth(disparity, options_.block_px, steps_of_parallax(known_px));
-    layer.coverage = Plane<uint8_t>(grid_.width, grid_.height, 0);
-    for (size_t i = 0; i < disparity.samples.size(); ++i)
-      layer.coverage.samples[i] = disparity.samples[i] != kNoDisparity;
-    layer.colour = RgbImage(grid_.width, grid_.height);
-    return layer;
   }
 
   void fetch(std::vector<Layer>& layers) {
@@ -456,11 +298,9 @@ class Build {
   Stopwatch watch_;
   DebugPictures pictures_;
   PoseEstimator begun_;
-  std::unique_ptr<ScratchSpace> scratch_;
   Poses poses_;
+  std::unique_ptr<GridLayout> layout_;  // holds the scratch space of what follows
   PanoramaGrid grid_;
-  ExpectedMemory needed_;  // for the grid laid last
-  bool tried_scratch_ = false;
   int columns_of_colour_ = 1;  // to each of the columns in which depths are found
   std::vector<UprightFrame> upright_;
   bool last_ = true;                          // is this the last iteration?

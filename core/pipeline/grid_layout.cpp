@@ -1,0 +1,97 @@
+#include "core/pipeline/grid_layout.h"
+
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
+
+#include "core/pipeline/pipeline_tuning.h"
+#include "core/rectify/rectify.h"
+#include "core/sweep/cost_volume.h"
+
+namespace ldp {
+namespace {
+
+using namespace pipeline;  // tuned constants
+
+std::string mebibytes(size_t bytes) {
+  if (bytes < 1 << 20) return std::to_string(bytes) + " bytes";
+  return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB";
+}
+
+std::string in_short(double value) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.4g", value);
+  return digits;
+}
+
+}  // namespace
+
+bool has_parallax(const Poses& poses) { return poses.report.motion != Motion::rotation; }
+
+GridLayout::GridLayout(const Poses& poses, const Arc& arc, const BuildOptions& options, std::vector<std::string>& notes)
+    : poses_(poses), arc_(arc), options_(options), notes_(notes) {
+  wanted_.rays = options.rays;
+  wanted_.near_depth = options.near_depth;
+  wanted_.far_depth = options.far_depth;
+  lay_finest();
+  check_range();
+}
+
+void GridLayout::lay_finest() {
+  while (!lay(wanted_)) {
+    if (wanted_.pitch_px > kCoarsest)
+      throw Impossible("this sweep needs at least " + mebibytes(scratch_ ? needed_.least : needed_.all) +
+                       " of memory, " + mebibytes(options_.memory_bytes) +
+                       " are allowed (memory_bytes): allow more or use smaller photos");
+    wanted_.pitch_px *= kCoarser;
+  }
+  if (wanted_.pitch_px > 1)
+    notes_.push_back("to fit the memory allowed, a row of the panorama spans " +
+                     std::to_string(wanted_.pitch_px).substr(0, 4) + " of the photos'");
+}
+
+// Whether the grid fits the memory allowed; what does not fit goes to files where it may.
+bool GridLayout::lay(const GridOptions& wanted) {
+  const size_t allowed = options_.memory_bytes > 0 ? options_.memory_bytes : kEasyMemory;
+  const Intrinsics& k = poses_.cameras.front().intrinsics;
+  const size_t photo_px = static_cast<size_t>(k.width) * static_cast<size_t>(k.height);
+  grid_ = lay_grid(arc_, poses_.cameras, poses_.points, wanted);
+  columns_of_colour_ = ldp::columns_of_colour(grid_, poses_.cameras, poses_.points);
+  needed_ = expected_memory(grid_, columns_of_colour_, photo_px, upright_pixels(poses_.cameras, arc_, wanted.pitch_px),
+                            options_.layers);
+  if (needed_.all > allowed && !std::exchange(tried_scratch_, true)) open_scratch(allowed);
+  return options_.memory_bytes == 0 || (scratch_ ? needed_.least : needed_.all) <= allowed;
+}
+
+void GridLayout::open_scratch(size_t allowed) {
+  if (options_.scratch_directory.empty()) return;
+  try {
+    scratch_ = std::make_unique<ScratchSpace>(options_.scratch_directory,
+                                              static_cast<size_t>(kFull * static_cast<double>(allowed)));
+  } catch (const std::runtime_error& error) {
+    notes_.push_back(std::string("everything is kept in memory: ") + error.what());
+  }
+}
+
+void GridLayout::check_range() const {
+  if (!has_parallax(poses_) || grid_.w_far < grid_.w_near) return;
+  const bool far_given = options_.far_depth > 0;
+  throw std::invalid_argument(
+      (far_given ? "far_depth " + in_short(options_.far_depth) : "near_depth " + in_short(options_.near_depth)) +
+      (far_given ? ": is nearer than what is nearest in the photos, at "
+                 : ": is farther than what is farthest in the photos, at ") +
+      in_short(1 / (far_given ? grid_.w_near : grid_.w_far)) +
+      (far_given ? ": give a larger one, or near_depth too" : ": give a smaller one, or far_depth too"));
+}
+
+void GridLayout::take_in_what_is_nearer(const std::vector<UprightFrame>& upright, const Job& job) {
+  if (wanted_.near_depth != 0) return;
+  const PanoramaGrid laid = grid_;
+  const int columns_laid = columns_of_colour_;
+  GridOptions wider = wanted_;
+  wider.matched_near = matched_near(upright, grid_, job);
+  tried_scratch_ = true;  // files cannot take the upright frames any more
+  if (wider.matched_near > grid_.w_near && !lay(wider)) grid_ = laid, columns_of_colour_ = columns_laid;
+}
+
+}  // namespace ldp

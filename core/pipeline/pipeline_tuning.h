@@ -1,0 +1,22 @@
+// Tuned constants of the pipeline that are no options.
+#pragma once
+
+namespace ldp::pipeline {
+
+constexpr double kCoarser = 1.05, kCoarsest = 3;  // steps of the panorama's pitch, and its limit, to save memory
+constexpr double kFull = 0.75;  // share of the memory allowed at which large arrays are let go: it takes a moment
+// Message passing and expansion of every cut. As many cycles as find something take longer for views as good.
+constexpr int kIterations = 4, kCycles = 1;
+// What an iteration before the last finds only hides voxels: it is swept in fewer steps, with less message passing, and
+// not expanded at all. Views are as good as with all of it, for half of its time (with 4, 2 and 1 iterations garden
+// 20.27, 20.28, 20.26 dB, redkitchen_arc 22.96, 23.03, 23.03, desk_sweep 20.34, 20.51, 20.44).
+constexpr int kHidingSubsteps = 4, kHidingIterations = 2, kHidingCycles = 0;
+// Parallax over one arc radius to which depths are known; behind the front, where fewer cameras see, to twice as much.
+constexpr double kKnownPx = 2.5;
+// What lies less behind the surface in front of it is not kept: within the viewing space it shows by half as much, as a
+// rim that a renderer gets by letting the background go on underneath.
+constexpr double kSeparatePx = 10;
+constexpr int kSpeckPx = 8;       // parts of layers behind that hold fewer pixels are not kept
+constexpr int kSilhouettePx = 4;  // by so much the sweep's windows may widen a near surface, and the cut a little more
+
+}  // namespace ldp::pipeline
