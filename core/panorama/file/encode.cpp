@@ -2,10 +2,10 @@
 #include <numeric>
 #include <string>
 
-#include "core/panorama/file/alpha_coding.h"
-#include "core/panorama/file/colour_coding.h"
+#include "core/panorama/file/coders/alpha_coding.h"
+#include "core/panorama/file/coders/colour_coding.h"
+#include "core/panorama/file/coders/depth_coding.h"
 #include "core/panorama/file/container.h"
-#include "core/panorama/file/depth_coding.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/panorama/file/records.h"
 #include "core/photos/images.h"

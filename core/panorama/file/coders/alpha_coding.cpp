@@ -1,8 +1,8 @@
-#include "core/panorama/file/alpha_coding.h"
+#include "core/panorama/file/coders/alpha_coding.h"
 
 #include <array>
 
-#include "core/panorama/file/range_coder.h"
+#include "core/panorama/file/coders/range_coder.h"
 
 namespace ldp::file {
 namespace {

@@ -1,11 +1,11 @@
-#include "core/panorama/file/colour_coding.h"
+#include "core/panorama/file/coders/colour_coding.h"
 
 #include <algorithm>
 #include <array>
 #include <bitset>
 #include <functional>
 
-#include "core/panorama/file/colour_packing.h"
+#include "core/panorama/file/coders/colour_packing.h"
 #include "core/photos/images.h"
 
 namespace ldp::file {

@@ -1,10 +1,12 @@
-#include "core/panorama/file/depth_coding.h"
+#include "core/panorama/file/coders/depth_coding.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdlib>
 
-#include "core/panorama/file/range_coder.h"
+#include "core/panorama/file/coders/block_range_coding.h"
+#include "core/panorama/file/coders/coverage_coding.h"
+#include "core/panorama/file/coders/range_coder.h"
 
 namespace ldp::file {
 namespace {
@@ -29,20 +31,6 @@ constexpr std::array<int8_t, 31> kGradientClass = [] {
 
 int gradient_class(int difference) { return 3 + kGradientClass[static_cast<size_t>(difference + 15)]; }
 
-struct CoverageModels {
-  std::array<std::array<BitModel, 2>, 81> tile;
-  std::array<BitModel, 1024> pixel;
-};
-
-struct RangeModels {
-  struct Number {
-    std::array<BitModel, 9> longer;                // one more digit?
-    std::array<std::array<BitModel, 2>, 9> digit;  // by number of digits; the highest on its own
-  };
-  Number low;
-  std::array<Number, 3> span;
-};
-
 struct CodeModels {
   std::array<std::array<BitModel, 6>, kContexts> not_first;
   std::array<std::array<BitModel, 4>, kContexts> not_second;
@@ -50,8 +38,6 @@ struct CodeModels {
   std::array<BitModel, size_t{kGradients} * kGradients> upwards;
   std::array<std::array<BitModel, 15>, 6> further;
 };
-
-// ---- coverage
 
 TileState tile_state(const Plane<uint8_t>& coverage, int tx, int ty) {
   const int x1 = std::min(coverage.width, (tx + 1) * kTile);
@@ -61,117 +47,6 @@ TileState tile_state(const Plane<uint8_t>& coverage, int tx, int ty) {
     for (int x = tx * kTile; x < x1; ++x) (coverage.at(x, y) ? any : all) = coverage.at(x, y) != 0;
   return !any ? TileState::empty : all ? TileState::full : TileState::mixed;
 }
-
-template <typename Coder>
-void code_tiles(Coder& coder, CoverageModels& models, Plane<TileState>& tiles) {
-  const auto state = [&](int x, int y) { return tiles.contains(x, y) ? static_cast<size_t>(tiles.at(x, y)) : 0; };
-  for (int y = 0; y < tiles.height; ++y)
-    for (int x = 0; x < tiles.width; ++x) {
-      const size_t context = 27 * state(x - 1, y) + 9 * state(x, y - 1) + 3 * state(x - 1, y - 1) + state(x + 1, y - 1);
-      TileState& tile = tiles.at(x, y);
-      if (!coder.bit(models.tile[context][0], tile != TileState::empty))
-        tile = TileState::empty;
-      else
-        tile = coder.bit(models.tile[context][1], tile == TileState::mixed) ? TileState::mixed : TileState::full;
-    }
-}
-
-// Ten pixels around the one to be coded:   . c d e .      row y-2
-//                                          f g h i j      row y-1
-//                                          a b ?          row y
-template <typename Coder>
-void code_mixed_run(Coder& coder, CoverageModels& models, Plane<uint8_t>& coverage, int x0, int x1, int y) {
-  const auto pixel = [&](int px, int py) { return coverage.contains(px, py) ? size_t{coverage.at(px, py)} : 0; };
-  size_t above2 = pixel(x0 - 1, y - 2) << 1 | pixel(x0, y - 2);
-  size_t above = pixel(x0 - 2, y - 1) << 3 | pixel(x0 - 1, y - 1) << 2 | pixel(x0, y - 1) << 1 | pixel(x0 + 1, y - 1);
-  size_t left = pixel(x0 - 2, y) << 1 | pixel(x0 - 1, y);
-  for (int x = x0; x < x1; ++x) {
-    above2 = (above2 << 1 | pixel(x + 1, y - 2)) & 7;
-    above = (above << 1 | pixel(x + 2, y - 1)) & 31;
-    uint8_t& present = coverage.at(x, y);
-    present = coder.bit(models.pixel[above2 << 7 | above << 2 | left], present != 0);
-    left = (left << 1 | present) & 3;
-  }
-}
-
-template <typename Coder>
-void code_coverage(Coder& coder, Plane<TileState>& tiles, Plane<uint8_t>& coverage) {
-  CoverageModels models;
-  code_tiles(coder, models, tiles);
-  for (int y = 0; y < coverage.height; ++y)
-    for (int tx = 0; tx < tiles.width; ++tx) {
-      const int x0 = tx * kTile;
-      const int x1 = std::min(coverage.width, x0 + kTile);
-      const TileState state = tiles.at(tx, y / kTile);
-      if (state == TileState::mixed)
-        code_mixed_run(coder, models, coverage, x0, x1, y);
-      else
-        std::fill(coverage.row(y) + x0, coverage.row(y) + x1, static_cast<uint8_t>(state == TileState::full));
-    }
-}
-
-// ---- block ranges
-
-// A whole number -255 .. 255 by an Exp-Golomb code of 2 |v| - (v > 0). Gives something beyond when the stream is
-// damaged.
-template <typename Coder>
-int code_number(Coder& coder, RangeModels::Number& models, int value) {
-  const int folded = (value > 0 ? 2 * value - 1 : -2 * value) + 1;
-  size_t digits = 0;
-  while (digits < 8 && coder.bit(models.longer[digits], folded >> (digits + 1) != 0)) ++digits;
-  int result = 1;
-  for (size_t i = digits; i-- > 0;)
-    result = result << 1 | static_cast<int>(coder.bit(models.digit[digits][i + 1 == digits], (folded >> i & 1) != 0));
-  --result;
-  return result & 1 ? (result + 1) / 2 : -(result / 2);
-}
-
-// Planar prediction within the bounds of the left and upper neighbours; absent ones are -1.
-int predict(const Plane<int16_t>& values, int x, int y) {
-  const auto at = [&](int px, int py) { return values.contains(px, py) ? int{values.at(px, py)} : -1; };
-  const int west = at(x - 1, y);
-  const int north = at(x, y - 1);
-  const int north_west = at(x - 1, y - 1);
-  if (west < 0 && north < 0) return 0;
-  if (west < 0) return north;
-  if (north < 0) return west;
-  if (north_west < 0) return (west + north) / 2;
-  return std::clamp(west + north - north_west, std::min(west, north), std::max(west, north));
-}
-
-bool any_present(const DepthStrip& strip, int bx, int by) {
-  const int x1 = std::min(strip.coverage.width, (bx + 1) * strip.block_px);
-  const int y1 = std::min(strip.coverage.height, (by + 1) * strip.block_px);
-  for (int y = by * strip.block_px; y < y1; ++y) {
-    const uint8_t* row = strip.coverage.row(y);
-    if (std::find(row + ptrdiff_t{bx} * strip.block_px, row + x1, 1) != row + x1) return true;
-  }
-  return false;
-}
-
-template <typename Coder>
-bool code_ranges(Coder& coder, DepthStrip& strip) {
-  RangeModels models;
-  Plane<int16_t> lows(strip.ranges.width, strip.ranges.height, -1);
-  Plane<int16_t> spans = lows;
-  for (int y = 0; y < strip.ranges.height; ++y)
-    for (int x = 0; x < strip.ranges.width; ++x) {
-      if (!any_present(strip, x, y)) continue;
-      BlockRange& range = strip.ranges.at(x, y);
-      const int expected_low = predict(lows, x, y);
-      const int expected_span = predict(spans, x, y);
-      const size_t context = static_cast<size_t>((expected_span > 2) + (expected_span > 10));
-      const int low = expected_low + code_number(coder, models.low, range.low - expected_low);
-      const int span = expected_span + code_number(coder, models.span[context], range.high - range.low - expected_span);
-      if (low < 0 || span < 0 || low + span > 255) return false;
-      range = {static_cast<uint8_t>(low), static_cast<uint8_t>(low + span)};
-      lows.at(x, y) = static_cast<int16_t>(low);
-      spans.at(x, y) = static_cast<int16_t>(span);
-    }
-  return true;
-}
-
-// ---- depth codes
 
 // Codes around the pixel to be coded, in the range of its block, with what is absent replaced by its likeliest value.
 struct Neighbours {

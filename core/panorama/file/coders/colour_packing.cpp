@@ -1,4 +1,4 @@
-#include "core/panorama/file/colour_packing.h"
+#include "core/panorama/file/coders/colour_packing.h"
 
 namespace ldp::file {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "core/base/plane.h"
 #include "core/panorama/file/bytes.h"
-#include "core/panorama/file/depth_coding.h"
+#include "core/panorama/file/coders/depth_coding.h"
 #include "core/panorama/file/ldp_file.h"
 
 namespace ldp::file {

@@ -9,7 +9,7 @@
 #include <array>
 #include <cstdint>
 
-#include "core/panorama/file/depth_coding.h"
+#include "core/panorama/file/coders/depth_coding.h"
 #include "core/photos/images.h"
 
 namespace ldp::file {
