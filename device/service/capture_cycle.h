@@ -11,7 +11,7 @@
 #include "device/capture/frame_writer.h"
 #include "device/service/announcer.h"
 #include "device/service/builds/build_queue.h"
-#include "device/service/config.h"
+#include "device/service/config/config.h"
 #include "device/service/events/end_request.h"
 #include "device/service/events/poll_loop.h"
 #include "device/service/events/service_notice.h"

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "device/service/capture_cycle.h"
-#include "device/service/config.h"
+#include "device/service/config/config.h"
 #include "device/service/events/button_port.h"
 #include "device/service/events/end_request.h"
 #include "device/service/events/poll_loop.h"

@@ -10,7 +10,7 @@
 
 #include "device/capture/log.h"
 #include "device/service/capture_session.h"
-#include "device/service/config.h"
+#include "device/service/config/config.h"
 
 namespace {
 

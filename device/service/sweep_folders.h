@@ -8,7 +8,7 @@
 
 #include "device/capture/capture_store.h"
 #include "device/capture/frame_writer.h"
-#include "device/service/config.h"
+#include "device/service/config/config.h"
 
 namespace ldp {
 

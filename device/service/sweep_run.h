@@ -14,7 +14,7 @@
 #include "device/capture/capture_store.h"
 #include "device/capture/frame_selection.h"
 #include "device/capture/frame_writer.h"
-#include "device/service/config.h"
+#include "device/service/config/config.h"
 #include "device/service/reasons.h"
 #include "drivers/interface/camera.h"
 

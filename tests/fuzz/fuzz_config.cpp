@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "device/service/config.h"
+#include "device/service/config/config.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const ldp::CheckedConfig read = ldp::parse_config(std::string(reinterpret_cast<const char*>(data), size));

@@ -1,4 +1,4 @@
-#include "device/service/config.h"
+#include "device/service/config/config.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,9 +6,9 @@
 #include <random>
 
 #include "core/panorama/file/coders/colour_packing.h"
+#include "core/panorama/file/coders/range_coder.h"
 #include "core/panorama/file/crc32c.h"
 #include "core/panorama/file/ldp_file.h"
-#include "core/panorama/file/coders/range_coder.h"
 #include "tests/golden/sealed_file.h"
 #include "tests/golden/synthetic_panorama.h"
 

@@ -10,7 +10,7 @@
 
 #include "device/capture/capture_store.h"
 #include "device/service/builds/build_child.h"
-#include "device/service/config.h"
+#include "device/service/config/config.h"
 #include "device/service/events/poll_loop.h"
 
 namespace ldp {
