@@ -6,11 +6,10 @@
 #include <limits>
 #include <vector>
 
+#include "core/view/view_tuning.h"
+
 namespace ldp::view {
 namespace {
-
-constexpr int kSolidAlpha = 250;  // rounding of soft edges that cover each other leaves some pixels just under 255
-constexpr int kRimPx = 2;         // rim pixels are this near to a hole
 
 // Background inverse z of every hole: the smallest among the first solid pixels to its left, right, top and bottom.
 // Solid pixels keep infinity.

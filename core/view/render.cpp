@@ -8,11 +8,11 @@
 
 #include "core/view/draw_view.h"
 #include "core/view/inpainting.h"
+#include "core/view/view_tuning.h"
 
 namespace ldp {
 namespace {
 
-constexpr int kStripPx = 200;  // few tiles cross strips, and a strip's buffers still fit a cache
 constexpr int kMaxViewSide = 1 << 14;
 
 }  // namespace
@@ -92,10 +92,10 @@ View view::draw_view(const std::vector<const MeshTile*>& tiles, const ViewFrustu
   std::vector<const MeshTile*> seen;
   for (const MeshTile* tile : tiles)
     if (frustum.sees(*tile, window)) seen.push_back(tile);
-  const int strips = (k.width + kStripPx - 1) / kStripPx;
+  const int strips = (k.width + view::kStripPx - 1) / view::kStripPx;
   parallel_for(job, strips, [&](int i) {
     auto strip = strip_pool.take();
-    strip->clear(i * kStripPx, std::min(kStripPx, k.width - i * kStripPx), k.height);
+    strip->clear(i * view::kStripPx, std::min(view::kStripPx, k.width - i * view::kStripPx), k.height);
     draw(seen, frustum, *strip);
     store(*strip, rendered, inverse_z);
     strip_pool.give_back(std::move(strip));

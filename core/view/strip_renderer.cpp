@@ -7,15 +7,13 @@
 
 #include "core/base/exact_math.h"
 #include "core/view/draw_view.h"
+#include "core/view/view_tuning.h"
 
 namespace ldp {
 namespace {
 
-constexpr int kStripColumns = 4 * view::kTilePx;
+constexpr int kStripColumns = view::kStripTiles * view::kTilePx;
 constexpr int kMarginColumns = view::kTilePx;  // surfaces go on underneath others by less
-constexpr int kBlockPx = 16;                   // columns that a camera may see or not
-constexpr int kDepths = 8, kRows = 4;          // at which is asked
-constexpr double kBehind = 1e-3;
 
 // Neighbouring columns; in a panorama that wraps they may go on past its ends.
 struct Section {
@@ -25,25 +23,25 @@ struct Section {
 bool sees(const PanoramaGrid& grid, const Camera& camera, double theta, double v, double w) {
   const Eigen::Vector3d q = w * (grid.origin(theta) - camera.pose.centre) + grid.direction(theta, v);
   const Eigen::Vector3d in_camera = exact_transposed_product(camera.pose.world_from_camera, q);
-  if (in_camera.z() < kBehind) return false;
+  if (in_camera.z() < view::kNearestZ) return false;
   const Intrinsics& k = camera.intrinsics;
-  const double room = 2 * kBlockPx;
+  const double room = 2 * view::kAskedColumns;
   const double x = k.fx * in_camera.x() / in_camera.z() + k.cx, y = k.fy * in_camera.y() / in_camera.z() + k.cy;
   return x > -room && x < k.width + room && y > -room && y < k.height + room;
 }
 
 // Of a column, at some of its heights and depths.
 bool sees_column(const PanoramaGrid& grid, const Camera& camera, double theta) {
-  for (int depth = 0; depth <= kDepths; ++depth)
-    for (int row = 0; row <= kRows; ++row)
-      if (sees(grid, camera, theta, grid.v(grid.height * row / double{kRows}),
-               grid.inverse_depth(kDisparitySteps * depth / double{kDepths})))
+  for (int depth = 0; depth <= view::kAskedDepths; ++depth)
+    for (int row = 0; row <= view::kAskedRows; ++row)
+      if (sees(grid, camera, theta, grid.v(grid.height * row / double{view::kAskedRows}),
+               grid.inverse_depth(kDisparitySteps * depth / double{view::kAskedDepths})))
         return true;
   return false;
 }
 
 bool sees_columns(const PanoramaGrid& grid, const Camera& camera, int begin, int end) {
-  for (int column = begin; column < end + kBlockPx; column += kBlockPx)
+  for (int column = begin; column < end + view::kAskedColumns; column += view::kAskedColumns)
     if (sees_column(grid, camera, grid.theta(std::min(column, end)))) return true;
   return false;
 }

@@ -5,17 +5,10 @@
 #include <utility>
 
 #include "core/base/exact_math.h"
+#include "core/view/view_tuning.h"
 
 namespace ldp::view {
 namespace {
-
-constexpr double kInsidePx = 10;   // nearer to a photograph's border depths are unsure
-constexpr int kWitnessedRows = 4;  // of a surface that goes on, which two photographs could show
-constexpr int kRowStep = 4;        // of the rows that are asked for that
-constexpr int kBridge = 64;        // columns to either side within which a surface that they do show stands by others
-constexpr float kBridgeShare = 0.1F;  // of its inverse depth by which the other may differ
-constexpr int kMostMirrored = 160;    // rows of a surface that its continuation shows again, there and back
-constexpr double kMostOfRows = 0.5;   // of the panorama's, that are made up at either end
 
 // How many photographs could show a place.
 class Frames {

@@ -10,19 +10,16 @@
 #include <utility>
 
 #include "core/geometry/same_surface.h"
+#include "core/view/mesh/code_smoother.h"
 #include "core/view/mesh/frame_extension.h"
 #include "core/view/mesh/prepared_layer.h"
 #include "core/view/mesh/sparse_columns.h"
 #include "core/view/mesh/torn_quads.h"
 #include "core/view/mesh/underlay.h"
+#include "core/view/view_tuning.h"
 
 namespace ldp::view {
 namespace {
-
-// What a slanted surface may change from one pixel to the next: a share of its inverse depth (a surface seen at 88.5
-// degrees from its normal) plus this many pixels of parallax over one arc radius.
-constexpr float kSlant = 0.02F;
-constexpr double kParallaxPx = 1.5;
 
 void check(const Layer& layer, const PanoramaGrid& grid, size_t index) {
   const auto fits = [&](const auto& plane) { return plane.width == grid.width && plane.height == grid.height; };
@@ -48,71 +45,6 @@ PreparedLayer prepare_layer(const PanoramaGrid& grid, const CodedDepths& depths,
     }
   return prepared;
 }
-
-// Takes the steps out of coarsely coded surfaces (a block that an edge crosses has one range for both sides): every
-// pixel moves towards the mean of its neighbours on the same surface, finely coded ones counting more, but no farther
-// than its code's rounding allows.
-class CodeSmoother {
- public:
-  CodeSmoother(PreparedLayer& layer, const CodedDepths& depths, float parallax)
-      : layer_(layer), depths_(depths), w_(layer.w), parallax_(parallax) {
-    constexpr float kFine = 0.1F;  // share of the tear threshold's parallax below which steps do not show
-    for (int y = 0; y < w_.height; ++y)
-      for (int x = 0; x < w_.width; ++x)
-        if (w_.at(x, y) >= 0 && depths.step(layer.step.at(x, y)) > kFine * parallax) add(x, y);
-  }
-
-  void run() {
-    constexpr int kSweeps = 4;  // there and back each
-    for (int i = 0; i < kSweeps; ++i) {
-      for (auto pixel = pixels_.begin(); pixel != pixels_.end(); ++pixel) relax(*pixel);
-      for (auto pixel = pixels_.rbegin(); pixel != pixels_.rend(); ++pixel) relax(*pixel);
-    }
-  }
-
- private:
-  struct Pixel {
-    size_t index;
-    float weight[4];  // of the left, right, upper and lower neighbour; they sum to 1
-  };
-
-  void add(int x, int y) {
-    constexpr std::array<std::array<int, 2>, 4> kNeighbours = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
-    Pixel pixel{w_.index(x, y), {}};
-    float sum = 0;
-    for (size_t k = 0; k < 4; ++k) {
-      const int nx = x + kNeighbours[k][0], ny = y + kNeighbours[k][1];
-      if (!w_.contains(nx, ny)) continue;
-      const size_t n = w_.index(nx, ny);
-      if (!connected(coded(pixel.index), step(pixel.index), coded(n), step(n), parallax_)) continue;
-      pixel.weight[k] = 1 / (step(n) + 0.1F * parallax_);
-      sum += pixel.weight[k];
-    }
-    if (sum <= 0) return;
-    for (float& weight : pixel.weight) weight /= sum;
-    pixels_.push_back(pixel);
-  }
-
-  void relax(const Pixel& pixel) {
-    const std::ptrdiff_t offsets[4] = {-1, 1, -w_.width, w_.width};
-    float mean = 0;
-    for (size_t k = 0; k < 4; ++k)
-      if (pixel.weight[k] > 0)
-        mean +=
-            pixel.weight[k] * w_.samples[static_cast<size_t>(static_cast<std::ptrdiff_t>(pixel.index) + offsets[k])];
-    const float code = coded(pixel.index), half = 0.5F * step(pixel.index);
-    w_.samples[pixel.index] = std::max(0.0F, std::clamp(mean, code - half, code + half));
-  }
-
-  float coded(size_t i) const { return depths_.w(layer_.code.samples[i]); }
-  float step(size_t i) const { return depths_.step(layer_.step.samples[i]); }
-
-  const PreparedLayer& layer_;
-  const CodedDepths& depths_;
-  Plane<float>& w_;
-  float parallax_;
-  std::vector<Pixel> pixels_;
-};
 
 // One corner of a quad in one layer.
 struct Corner {
@@ -167,7 +99,7 @@ void Builder::add(const Layer& layer) {
   check(layer, grid_, layers_.size());
   layers_.push_back(prepare_layer(grid_, depths_, layer));
   // With one range for all, neighbouring codes are as often two surfaces as one.
-  if (layer.depth.block_px != 0) CodeSmoother(layers_.back(), depths_, parallax_).run();
+  if (layer.depth.block_px != 0) smooth_codes(layers_.back(), depths_, parallax_);
 }
 
 Corner Builder::corner(int layer, int x, int y) const {

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/view/view_tuning.h"
+
 namespace ldp::view {
 namespace {
-
-constexpr int kReachPx = 20;
 
 struct Step {
   uint32_t to, from;

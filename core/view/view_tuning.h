@@ -1,0 +1,38 @@
+// Tuned constants of views that are no options: unit, meaning and range. What was measured: decisions.md.
+#pragma once
+
+namespace ldp::view {
+
+// Surfaces (prepared_layer.h). What a slanted one may change from one pixel to the next: a share of its inverse depth
+// (a surface seen at 88.5 degrees from its normal; 0.005 .. 0.05) plus this many pixels of parallax over one arc radius
+// (0.5 .. 3).
+constexpr float kSlant = 0.02F;
+constexpr double kParallaxPx = 1.5;
+
+// Smoothing of codes (code_smoother.h).
+constexpr float kFineShare = 0.1F;  // of a surface's parallax, below which steps do not show; 0 .. 1
+constexpr int kSmoothings = 4;      // there and back each; 1 .. 16
+
+// Underlay (underlay.h): pixels by which a surface goes on underneath another; 8 .. kTilePx.
+constexpr int kReachPx = 20;
+
+// What goes on beyond frames (frame_extension.h).
+constexpr double kInsidePx = 10;   // nearer to a photograph's border depths are unsure; 0 .. 50
+constexpr int kWitnessedRows = 4;  // of a surface that goes on, which two photographs could show; 1 .. 50
+constexpr int kRowStep = 4;        // of the rows that are asked for that; 1 .. kWitnessedRows
+constexpr int kBridge = 64;        // columns to either side within which a surface that they do show stands by others
+constexpr float kBridgeShare = 0.1F;  // of its inverse depth by which the other may differ; 0 .. 0.5
+constexpr int kMostMirrored = 160;    // rows of a surface that its continuation shows again, there and back; 1 ..
+constexpr double kMostOfRows = 0.5;   // of the panorama's, that are made up at either end; 0 .. 1
+
+// Inpainting (inpainting.h).
+constexpr int kSolidAlpha = 250;  // rounding of soft edges that cover each other leaves some pixels just under 255
+constexpr int kRimPx = 2;         // rim pixels are this near to a hole; 1 .. 8
+
+// Views drawn in parts; none of these changes a view.
+constexpr int kStripPx = 200;   // few tiles cross strips, and a strip's buffers still fit a cache
+constexpr int kStripTiles = 4;  // of the panorama, that are held at a time
+constexpr int kAskedColumns = 16, kAskedDepths = 8, kAskedRows = 4;  // at which it is asked what a camera may see
+constexpr double kNearestZ = 1e-3;                                   // units of depth, that a camera sees
+
+}  // namespace ldp::view
