@@ -1,1 +1,2 @@
 ldp_test(ldp_test SOURCES ldp_test.cpp USES ldp_panorama ldp_photos)
+ldp_test(coders_test SOURCES coders_test.cpp USES ldp_panorama ldp_photos)

@@ -1,0 +1,268 @@
+// The grid of a build within the memory allowed, and the coding of what was found on it.
+#include "core/pipeline/grid_layout.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "core/pipeline/code_layers.h"
+#include "core/pipeline/memory_budget.h"
+#include "core/pipeline/pipeline_tuning.h"
+#include "core/pipeline/pose_evidence.h"
+#include "core/pipeline/stopwatch.h"
+#include "tests/unit/simple_capture.h"
+
+namespace ldp {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// Nine cameras over one radian of a circle of radius 1, and points at depths of 2 to 20.
+Poses simple_poses() {
+  Poses poses;
+  for (int i = 0; i < 9; ++i) {
+    poses.cameras.push_back(test::camera_at(0.5 - 0.125 * i));
+    poses.frame_of_camera.push_back(i);
+  }
+  for (int i = 0; i < 200; ++i) {
+    const double theta = 0.5 - i / 200.0, depth = 3 + 18.0 * (i * 7 % 50) / 50;
+    ScenePoint point;
+    point.position = {depth * std::cos(theta), depth * std::sin(theta), 0.1 * (i % 5 - 2)};
+    point.cameras = {2, 3, 4, 5};
+    poses.points.push_back(point);
+    poses.sightings.emplace_back(4, Eigen::Vector2d(70, 40));
+  }
+  return poses;
+}
+
+Arc simple_arc() {
+  Arc arc;
+  arc.radius = 1;
+  arc.theta_begin = -0.5, arc.theta_end = 0.5;
+  return arc;
+}
+
+struct Laid {
+  Poses poses = simple_poses();
+  Arc arc = simple_arc();
+  BuildOptions options;
+  std::vector<std::string> notes;
+  GridLayout layout() { return {poses, arc, options, notes}; }
+};
+
+std::string refusal(Laid& laid) {
+  try {
+    laid.layout();
+  } catch (const Impossible& error) {
+    return std::string("impossible: ") + error.what();
+  } catch (const std::invalid_argument& error) {
+    return std::string("invalid: ") + error.what();
+  }
+  return "";
+}
+
+TEST(GridLayout, IsTheFinestWhereMemoryIsEnough) {
+  Laid laid;
+  const GridLayout layout = laid.layout();
+  EXPECT_EQ(layout.pitch_px(), 1);
+  EXPECT_NEAR(layout.grid().theta_pitch, 1.0 / test::kFocal, 1e-12);
+  EXPECT_GT(layout.grid().w_near, layout.grid().w_far);
+  EXPECT_THAT(laid.notes, IsEmpty());
+}
+
+TEST(GridLayout, IsCoarserByAsLittleAsMemoryAsksForAndSaysSo) {
+  Laid all;
+  const GridLayout finest = all.layout();
+  const auto needed = [&](const PanoramaGrid& grid, int columns) {
+    return expected_memory(grid, columns, 140 * 80, 9 * 140 * 80, all.options.layers).all;
+  };
+  Laid less;
+  less.options.memory_bytes = needed(finest.grid(), finest.columns_of_colour()) - 150'000;
+  const GridLayout coarser = less.layout();
+  EXPECT_GT(coarser.pitch_px(), 1);
+  EXPECT_LT(coarser.grid().width, finest.grid().width);
+  ASSERT_EQ(less.notes.size(), 1U);
+  EXPECT_EQ(less.notes[0], "to fit the memory allowed, a row of the panorama spans " +
+                               std::to_string(coarser.pitch_px()).substr(0, 4) + " of the photos'");
+  double before = coarser.pitch_px();
+  for (int i = 0; i < 3 && refusal(less).empty(); ++i) {
+    less.options.memory_bytes -= 100'000;
+    less.notes.clear();
+    if (!refusal(less).empty()) break;
+    const double pitch = less.layout().pitch_px();
+    EXPECT_GE(pitch, before) << "less memory, a finer grid";
+    before = pitch;
+  }
+}
+
+TEST(GridLayout, TooLittleMemoryIsRefusedWithWhatWouldDo) {
+  Laid laid;
+  laid.options.memory_bytes = 1 << 20;
+  EXPECT_THAT(refusal(laid), AllOf(HasSubstr("impossible: this sweep needs at least "),
+                                   HasSubstr(" MiB of memory, 1 MiB are allowed (memory_bytes)")));
+  laid.options.memory_bytes = 1000;
+  EXPECT_THAT(refusal(laid), HasSubstr(" of memory, 1000 bytes are allowed"));
+}
+
+TEST(GridLayout, ScratchFilesAreOpenedOnlyWhereMemoryEndsAndTheirFailureIsNoEnd) {
+  Laid laid;
+  laid.options.scratch_directory = testing::TempDir();
+  EXPECT_EQ(laid.layout().give_scratch(), nullptr) << "everything fits";
+  laid.options.memory_bytes = 30'000'000;
+  laid.options.scratch_directory = "/nowhere/at/all";
+  EXPECT_THAT(refusal(laid), HasSubstr("impossible: this sweep needs at least"));
+  EXPECT_THAT(laid.notes, testing::ElementsAre(HasSubstr("everything is kept in memory: ")));
+}
+
+TEST(GridLayout, DepthsOnTheWrongSideAreRefusedByTheirNames) {
+  Laid laid;
+  laid.options.far_depth = 0.01;
+  EXPECT_THAT(refusal(laid), AllOf(HasSubstr("invalid: far_depth 0.01: is nearer than what is nearest in the photos"),
+                                   HasSubstr("give a larger one, or near_depth too")));
+  laid.options.far_depth = 0;
+  laid.options.near_depth = 1e6;
+  EXPECT_THAT(refusal(laid), AllOf(HasSubstr("invalid: near_depth 1e+06: is farther than what is farthest"),
+                                   HasSubstr("give a smaller one, or far_depth too")));
+  laid.poses.report.motion = Motion::rotation;
+  EXPECT_FALSE(has_parallax(laid.poses));
+  EXPECT_EQ(refusal(laid), "") << "without parallax no depth is told";
+}
+
+TEST(ExpectedMemory, GrowsWithEverythingAndIsLeastWithAScratchSpace) {
+  PanoramaGrid grid = test::simple_grid(0.5);
+  grid.width = 4000, grid.height = 1000;
+  const auto memory = [&](int columns, size_t photo_px, size_t upright_px, int layers) {
+    return expected_memory(grid, columns, photo_px, upright_px, layers);
+  };
+  const ExpectedMemory usual = memory(1, 1'000'000, 40'000'000, 3);
+  EXPECT_LT(usual.least, usual.all);
+  EXPECT_GE(memory(2, 1'000'000, 40'000'000, 3).all, usual.all);
+  EXPECT_GT(memory(1, 2'000'000, 40'000'000, 3).all, usual.all);
+  EXPECT_GT(memory(1, 1'000'000, 80'000'000, 3).all, usual.all);
+  EXPECT_GT(memory(1, 1'000'000, 40'000'000, 8).all, usual.all);
+  EXPECT_EQ(memory(1, 1'000'000, 80'000'000, 3).least, usual.least) << "upright frames live in files";
+  grid.width = 10, grid.height = 10;
+  const ExpectedMemory tiny = memory(1, 100, 100, 1);
+  EXPECT_EQ(tiny.least, tiny.all) << "where there is nothing to put into files";
+}
+
+// --- layers ----------------------------------------------------------------------------------------------------------
+
+struct Found {
+  explicit Found(std::vector<uint16_t> disparities) {
+    for (const uint16_t d : disparities) {
+      layers.emplace_back(grid.width, grid.height, d);
+      sources.emplace_back(grid.width, grid.height, 3);
+      for (int y = 0; y < grid.height; ++y)
+        for (int x = 0; x < grid.width; ++x) sources.back().set(x, y, 1);
+    }
+  }
+  std::vector<Layer> coded() { return code_layers(grid, 1, 16, layers, sources); }
+
+  PanoramaGrid grid = test::simple_grid(0.5);
+  std::vector<DisparityMap> layers;
+  std::vector<SourceMap> sources;
+};
+
+int64_t present(const Layer& layer) {
+  return std::count(layer.coverage.samples.begin(), layer.coverage.samples.end(), uint8_t{1});
+}
+
+TEST(CodeLayers, KeepDepthsToWithinWhatIsKnown) {
+  Found found({3000, 500});
+  const std::vector<Layer> layers = found.coded();
+  ASSERT_EQ(layers.size(), 2U);
+  EXPECT_EQ(present(layers[0]), found.grid.width * found.grid.height);
+  EXPECT_EQ(present(layers[1]), found.grid.width * found.grid.height);
+  for (int y = 0; y < found.grid.height; y += 7)
+    for (int x = 0; x < found.grid.width; x += 7) {
+      EXPECT_NEAR(layers[0].depth.disparity(x, y), 3000, 400);
+      EXPECT_NEAR(layers[1].depth.disparity(x, y), 500, 500);
+    }
+  EXPECT_EQ(layers[0].colour.width, found.grid.width);
+}
+
+TEST(CodeLayers, WhatARendererCouldNotTellFromTheFrontIsDropped) {
+  Found found({2000, 1990});
+  const std::vector<Layer> layers = found.coded();
+  EXPECT_EQ(present(layers[1]), 0);
+  EXPECT_EQ(found.layers[1].at(5, 5), kNoDisparity);
+  EXPECT_EQ(found.sources[1].at(5, 5), kNoSource);
+  EXPECT_EQ(found.sources[0].at(5, 5), 1);
+}
+
+TEST(CodeLayers, SpecksAreDroppedBehindAndKeptInFront) {
+  Found found({3000, 500});
+  for (DisparityMap& layer : found.layers) std::fill(layer.samples.begin(), layer.samples.end(), kNoDisparity);
+  for (int i = 0; i < pipeline::kSpeckPx - 1; ++i)
+    found.layers[0].at(10 + i, 10) = 3000, found.layers[1].at(50 + i, 40) = 500;
+  for (int i = 0; i < pipeline::kSpeckPx; ++i) found.layers[1].at(50 + i, 20) = 500;
+  const std::vector<Layer> layers = found.coded();
+  EXPECT_EQ(present(layers[0]), pipeline::kSpeckPx - 1);
+  EXPECT_EQ(present(layers[1]), pipeline::kSpeckPx);
+  EXPECT_EQ(layers[1].coverage.at(50, 40), 0);
+  EXPECT_EQ(found.sources[1].at(50, 40), kNoSource);
+  EXPECT_EQ(found.sources[1].at(50, 20), 1);
+}
+
+TEST(CodeLayers, BehindWhatIsAbsentAnythingIsKept) {
+  Found found({2000, 1990});
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 50; ++x) found.layers[0].at(x, y) = kNoDisparity;
+  const std::vector<Layer> layers = found.coded();
+  EXPECT_EQ(layers[1].coverage.at(20, 30), 1);
+  EXPECT_EQ(layers[1].coverage.at(80, 30), 0);
+  EXPECT_EQ(layers[0].coverage.at(20, 30), 0);
+}
+
+// --- small parts -----------------------------------------------------------------------------------------------------
+
+TEST(Stopwatch, AddsLapsOfOneNameAndKeepsTheirOrder) {
+  std::vector<std::pair<std::string, double>> seconds;
+  Stopwatch watch(seconds);
+  for (const char* const stage : {"poses", "solve", "poses", "refine", "solve"}) watch.lap(stage);
+  ASSERT_EQ(seconds.size(), 3U);
+  EXPECT_EQ(seconds[0].first, "poses");
+  EXPECT_EQ(seconds[1].first, "solve");
+  EXPECT_EQ(seconds[2].first, "refine");
+  for (const auto& [stage, time] : seconds) EXPECT_GE(time, 0) << stage;
+}
+
+TEST(PoseEvidence, TellsMotionAndDoubtsByTheVerdictsNames) {
+  Poses poses = simple_poses();
+  SweepEvidence evidence;
+  evidence.photos.resize(poses.cameras.size());
+  poses.report.reprojection_px = 0.7;
+  add_pose_evidence(poses, 12, evidence);
+  EXPECT_EQ(evidence.photos_taken, 12);
+  EXPECT_DOUBLE_EQ(evidence.reprojection, 0.7 / 140);
+  EXPECT_NEAR(evidence.photos[3].turn_deg, 0.125 * 180 / 3.14159265, 1.0 / 256);
+  EXPECT_EQ(evidence.photos[3].shared_points, 200);
+  EXPECT_EQ(evidence.photos[2].shared_points, 0);
+  const std::pair<Motion, SweepMotion> motions[] = {{Motion::arc, SweepMotion::arc},
+                                                    {Motion::straight, SweepMotion::straight},
+                                                    {Motion::rotation, SweepMotion::rotation}};
+  for (const auto& [told, wanted] : motions) {
+    poses.report.motion = told;
+    add_pose_evidence(poses, 9, evidence);
+    EXPECT_EQ(evidence.motion, wanted);
+  }
+  const std::pair<PoseDoubt, DoubtfulPoses> doubts[] = {{PoseDoubt::none, DoubtfulPoses::no},
+                                                        {PoseDoubt::contradicted, DoubtfulPoses::contradicted},
+                                                        {PoseDoubt::unrelated, DoubtfulPoses::contradicted},
+                                                        {PoseDoubt::loose, DoubtfulPoses::loose},
+                                                        {PoseDoubt::in_pairs, DoubtfulPoses::loose},
+                                                        {PoseDoubt::lens, DoubtfulPoses::lens}};
+  for (const auto& [told, wanted] : doubts) {
+    poses.report.doubt_kind = told;
+    add_pose_evidence(poses, 9, evidence);
+    EXPECT_EQ(evidence.doubt, wanted);
+  }
+}
+
+}  // namespace
+}  // namespace ldp
