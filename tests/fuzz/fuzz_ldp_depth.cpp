@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   strip.coverage = {width, height};
   strip.codes = {width, height};
   try {
-    ldp::file::decode_depth_strip({data + 3, size - 3}, {"chunk", 0}, true, strip);
+    ldp::file::decode_depth_strip({data + 3, size - 3}, {"chunk", 0}, strip);
   } catch (const ldp::LdpError&) {
   }
   return 0;

@@ -115,6 +115,35 @@ TEST(Jpeg, EveryEarlyEndIsAnErrorThatNamesTheFile) {
   }
 }
 
+// A grey progressive JPEG of which every scan says in a few bytes that all blocks are zero.
+std::vector<uint8_t> jpeg_of_empty_scans(uint16_t side, int scans) {
+  std::vector<uint8_t> bytes = {0xFF, 0xD8};
+  const auto segment = [&](uint8_t marker, const std::vector<uint8_t>& content) {
+    bytes.insert(bytes.end(), {0xFF, marker, 0, static_cast<uint8_t>(content.size() + 2)});
+    bytes.insert(bytes.end(), content.begin(), content.end());
+  };
+  std::vector<uint8_t> quantisation(65, 1), code(18, 0);
+  quantisation[0] = 0;
+  segment(0xDB, quantisation);
+  const auto high = static_cast<uint8_t>(side >> 8), low = static_cast<uint8_t>(side & 255);
+  segment(0xC2, {8, high, low, high, low, 1, 1, 0x11, 0});
+  code[0] = 0x10, code[1] = 1, code[17] = 0xE0;  // one code: the next 16384 blocks and more are at their end
+  segment(0xC4, code);
+  const int runs = (side / 8) * (side / 8) / (1 << 14);
+  for (int i = 0; i < scans; ++i) {
+    segment(0xDA, {1, 1, 0, 1, 63, 0});
+    bytes.insert(bytes.end(), static_cast<size_t>(2 * runs), 0);  // 15 bits each
+  }
+  bytes.insert(bytes.end(), {0xFF, 0xD9});
+  return bytes;
+}
+
+TEST(Jpeg, ManyScansOfManyPixelsInFewBytesAreRefused) {
+  EXPECT_EQ(decode_image(jpeg_of_empty_scans(1024, 100), "a.jpg").width, 1024);
+  EXPECT_THAT(message_of([&] { decode_image(jpeg_of_empty_scans(4096, 100), "a.jpg"); }),
+              HasSubstr("a.jpg: damaged JPEG (too many scans)"));
+}
+
 TEST(Png, EveryEarlyEndIsAnErrorThatNamesTheFile) {
   const std::vector<uint8_t> bytes = encode_png(some_image(16, 12));
   for (size_t length = 0; length < bytes.size(); ++length)

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/panorama/file/coders/colour_packing.h"
+#include "core/panorama/file/coders/depth_coding.h"
 #include "core/panorama/file/coders/range_coder.h"
 #include "core/panorama/file/crc32c.h"
 #include "core/panorama/file/ldp_file.h"
@@ -71,7 +72,7 @@ TEST(RangeCoder, GivesBackEveryDecisionAndUsesEveryByte) {
     RangeDecoder decoder(bytes);
     for (size_t i = 0; i < bits.size(); ++i) ASSERT_EQ(decoder.bit(models[i % 3]), bits[i]) << i;
     EXPECT_EQ(decoder.bytes_left(), 0u);
-    EXPECT_EQ(decoder.bytes_missing(), 0u);
+    EXPECT_FALSE(decoder.ended());
     const double p = ones_in_1000 / 1000.0;
     const double entropy = p > 0 && p < 1 ? -p * std::log2(p) - (1 - p) * std::log2(1 - p) : 0;
     EXPECT_LT(8.0 * static_cast<double>(bytes.size()), 20000 * (1.03 * entropy + 0.004) + 64);
@@ -347,6 +348,35 @@ TEST(LdpErrors, AreClearWords) {
   EXPECT_THAT(with(32, {'H', 'E', 'A', 'T'}, true), HasSubstr("chunk HEAT at offset"));
   EXPECT_THAT(refusal([&] { decode_ldp(file, {1000}); }),
               HasSubstr("width x height: expected at most 1000, found 3072"));
+}
+
+TEST(LdpErrors, MorePixelsThanItsBytesCanHoldAreRefusedUndecoded) {
+  std::vector<uint8_t> file = encode_ldp(synthetic_panorama({64, 48}), {});
+  const auto head = static_cast<std::ptrdiff_t>(describe_ldp(file).chunks[0].offset);
+  const std::vector<uint8_t> size = {0, 64, 0, 0, 0, 32, 0, 0, 8};  // 16384 x 8192 in 8 layers
+  std::copy(size.begin(), size.end(), file.begin() + head);
+  seal(file);
+  const std::string bytes = std::to_string(file.size());
+  const std::string expected =
+      "chunk HEAD at offset " + std::to_string(head) + ": width x height x layers: expected at most " +
+      std::to_string((1 << 26) + 256 * file.size()) + " in " + bytes + " bytes, found 1073741824";
+  EXPECT_EQ(refusal([&] { describe_ldp(file); }), expected);
+  EXPECT_EQ(verify_ldp(file), std::vector<std::string>{expected});
+}
+
+TEST(LdpErrors, AStreamOfDepthsThatEndsIsDecodedNoFurther) {
+  DepthStrip strip;
+  strip.block_px = 8;
+  strip.tiles = {4, 64};
+  strip.coverage = {64, 1024, 7};
+  strip.codes = {64, 1024};
+  strip.ranges = {8, 128};
+  const std::vector<uint8_t> bytes(8, 0xFF);
+  EXPECT_THAT(refusal([&] {
+                decode_depth_strip(bytes, {"chunk", 0}, strip);
+              }),
+              HasSubstr("its coded data: expected an end within its 8 bytes, found none"));
+  EXPECT_EQ(strip.coverage.at(0, 1023), 7);
 }
 
 TEST(LdpErrors, UnknownChunksAreSkippedUnlessTheyAreNeeded) {

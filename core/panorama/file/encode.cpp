@@ -202,7 +202,10 @@ std::vector<uint8_t> encode_ldp(const LayeredPanorama& panorama, const LdpEncode
   add("DPTH", &StripJob::depth);
   add("ALPH", &StripJob::alpha);
   add("COLR", &StripJob::colour);
-  return write_container(chunks, version);
+  std::vector<uint8_t> file = write_container(chunks, version);
+  check_work({panorama.grid, panorama.limits, static_cast<int>(panorama.layers.size())}, file.size(),
+             {"encode_ldp: HEAD", 0});
+  return file;
 }
 
 }  // namespace ldp

@@ -5,7 +5,8 @@
 namespace ldp {
 namespace {
 
-constexpr uint64_t kStoredColour = 3;  // bytes a pixel of the picture that a strip's colours are stored in
+// Bytes a pixel of the picture that a strip's colours are stored in, and of the coefficients of a progressive one.
+constexpr uint64_t kStoredColour = 3 + 6;
 
 // Codes, coverage and colour of a pixel, and its alpha where there is any.
 uint64_t bytes_a_pixel(const LdpLayerSummary& layer) { return 5 + (layer.has_alpha ? 1 : 0); }

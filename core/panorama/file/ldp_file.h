@@ -25,6 +25,9 @@ constexpr int kLdpVersion = 2;  // the newest; a file gets the first version tha
 constexpr int kMaxLdpWidth = 65535, kMaxLdpHeight = 16368;  // the latter so that any strip is a WebP image
 constexpr int64_t kMaxLdpPixels = int64_t{1} << 28;
 constexpr int kMaxLdpLayers = 8;
+// Pixels of all layers together: so many in any file, and more with every byte of it. What decoding takes is thereby
+// bounded by what a file says, not by what it claims; a photographed panorama has some ten pixels a byte.
+constexpr int64_t kEasyLdpPixels = int64_t{1} << 26, kMaxLdpPixelsPerByte = 256;
 constexpr int kMaxLdpBlock = 256;
 constexpr int kMaxLdpStrip = 8192;
 

@@ -125,6 +125,7 @@ struct LdpReader::State {
     }
     if (!index.head) refuse_missing("HEAD");
     const Head head = read_head(reader(*index.head), limits);
+    check_work(head, bytes.size(), place_of(chunk(*index.head)));
     description.panorama.grid = head.grid;
     description.panorama.limits = head.limits;
     index.layers.resize(static_cast<size_t>(head.layers));
@@ -193,7 +194,7 @@ struct LdpReader::State {
     depth.ranges = {blocks(width, summary.block_px), blocks(grid.height, summary.block_px), BlockRange{0, 0}};
     if (summary.block_px == 0) depth.ranges.samples[0] = index.layers[layer].range;
     const StripChunks& chunks = index.layers[layer].strips[strip];
-    decode_depth_strip(content(*chunks.depth), place_of(chunk(*chunks.depth)), true, depth);
+    decode_depth_strip(content(*chunks.depth), place_of(chunk(*chunks.depth)), depth);
     if (chunks.alpha)
       part.alpha = decode_alpha_strip(content(*chunks.alpha), place_of(chunk(*chunks.alpha)), depth.coverage);
     if (with_colour)

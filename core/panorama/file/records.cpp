@@ -184,6 +184,15 @@ Head read_head(ByteReader in, const LdpReadLimits& limits) {
   return head;
 }
 
+void check_work(const Head& head, uint64_t file_bytes, const Place& place) {
+  const uint64_t most = kEasyLdpPixels + kMaxLdpPixelsPerByte * file_bytes;
+  const auto pixels = static_cast<uint64_t>(int64_t{head.grid.width} * head.grid.height * head.layers);
+  if (pixels > most)
+    place.refuse("width x height x layers",
+                 "at most " + std::to_string(most) + " in " + std::to_string(file_bytes) + " bytes",
+                 std::to_string(pixels));
+}
+
 std::vector<uint8_t> write_layer_record(const LayerRecord& record) {
   ByteWriter out;
   out.u32(static_cast<uint32_t>(record.summary.block_px));

@@ -40,6 +40,9 @@ std::map<std::string, double> read_quality(ByteReader reader);
 std::vector<uint8_t> write_metadata(const std::map<std::string, std::string>& metadata);
 std::map<std::string, std::string> read_metadata(ByteReader reader);
 
+// Refuses more pixels in all layers together than a file of so many bytes may declare.
+void check_work(const Head& head, uint64_t file_bytes, const Place& place);
+
 // Number of strips of a layer; the last may be narrower.
 int strip_count(const PanoramaGrid& grid, int strip_px);
 

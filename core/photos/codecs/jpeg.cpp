@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>  // jpeglib.h needs FILE and size_t
@@ -16,7 +17,9 @@ namespace {
 
 static_assert(sizeof(Rgb) == 3, "rows of Rgb are handed to libjpeg as bytes");
 
-constexpr int kMaxScans = 200;  // a progressive file of endless tiny scans would take forever
+// A progressive file of endless tiny scans would take forever: each goes over all pixels and needs hardly a byte.
+constexpr int kMaxScans = 200;
+constexpr uint64_t kEasyScannedPixels = uint64_t{1} << 30, kScannedPixelsPerByte = 1024;
 
 // libjpeg reports errors by a call that must not return. It is C, so an exception must not pass through it on every
 // architecture: run() catches by longjmp, and what runs below it holds nothing with a destructor.
@@ -71,6 +74,7 @@ struct Decoder {
   ErrorSink errors;
   jpeg_decompress_struct info;
   jpeg_progress_mgr progress;
+  int most_scans = kMaxScans;
   std::span<const uint8_t> bytes;
   RgbImage image;
   std::vector<uint8_t> cmyk_row;
@@ -81,9 +85,11 @@ struct Decoder {
     jpeg_create_decompress(&info);
     progress.progress_monitor = [](j_common_ptr common) {
       auto* decompress = reinterpret_cast<j_decompress_ptr>(common);
-      if (decompress->input_scan_number > kMaxScans) refuse(common, "too many scans");
+      const auto* decoder = static_cast<const Decoder*>(common->client_data);
+      if (decompress->input_scan_number > decoder->most_scans) refuse(common, "too many scans");
     };
     info.progress = &progress;
+    info.client_data = this;
   }
   ~Decoder() { jpeg_destroy_decompress(&info); }
   Decoder(const Decoder&) = delete;
@@ -127,6 +133,9 @@ void read_rows(Decoder& d) {
 ImageSize header_size(Decoder& d, const std::string& name) {
   if (!run(d.errors, d, read_header)) fail(d, name);
   check_size(d.info.image_width, d.info.image_height, name);
+  const uint64_t pixels = uint64_t{d.info.image_width} * d.info.image_height;
+  const uint64_t scanned = kEasyScannedPixels + kScannedPixelsPerByte * d.bytes.size();
+  d.most_scans = static_cast<int>(std::min<uint64_t>(kMaxScans, scanned / pixels));
   return {static_cast<int>(d.info.image_width), static_cast<int>(d.info.image_height)};
 }
 

@@ -43,8 +43,7 @@ template <typename Coder>
 bool code_alpha(Coder& coder, const Plane<uint8_t>& coverage, Plane<uint8_t>& alpha) {
   AlphaModels models;
   for (int y = 0; y < alpha.height; ++y) {
-    if constexpr (requires { coder.bytes_missing(); })
-      if (coder.bytes_missing() > 0) return false;
+    if (coder.ended()) return false;
     for (int x = 0; x < alpha.width; ++x) {
       if (!coverage.at(x, y)) continue;
       const auto at = [&](int px, int py) {
@@ -71,7 +70,7 @@ std::vector<uint8_t> encode_alpha_strip(const Plane<uint8_t>& coverage, const Pl
 Plane<uint8_t> decode_alpha_strip(std::span<const uint8_t> bytes, const Place& place, const Plane<uint8_t>& coverage) {
   Plane<uint8_t> alpha(coverage.width, coverage.height);
   RangeDecoder coder(bytes);
-  if (!code_alpha(coder, coverage, alpha) || coder.bytes_missing() > 0 || coder.bytes_left() > 0)
+  if (!code_alpha(coder, coverage, alpha) || coder.ended() || coder.bytes_left() > 0)
     place.refuse("its coded data", "an end after " + std::to_string(bytes.size()) + " bytes", "another");
   return alpha;
 }

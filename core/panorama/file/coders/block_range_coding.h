@@ -62,7 +62,7 @@ bool code_ranges(Coder& coder, DepthStrip& strip) {
   RangeModels models;
   Plane<int16_t> lows(strip.ranges.width, strip.ranges.height, -1);
   Plane<int16_t> spans = lows;
-  for (int y = 0; y < strip.ranges.height; ++y)
+  for (int y = 0; y < strip.ranges.height && !coder.ended(); ++y)
     for (int x = 0; x < strip.ranges.width; ++x) {
       if (!any_present(strip, x, y)) continue;
       BlockRange& range = strip.ranges.at(x, y);

@@ -19,7 +19,7 @@ struct CoverageModels {
 template <typename Coder>
 void code_tiles(Coder& coder, CoverageModels& models, Plane<TileState>& tiles) {
   const auto state = [&](int x, int y) { return tiles.contains(x, y) ? static_cast<size_t>(tiles.at(x, y)) : 0; };
-  for (int y = 0; y < tiles.height; ++y)
+  for (int y = 0; y < tiles.height && !coder.ended(); ++y)
     for (int x = 0; x < tiles.width; ++x) {
       const size_t context = 27 * state(x - 1, y) + 9 * state(x, y - 1) + 3 * state(x - 1, y - 1) + state(x + 1, y - 1);
       TileState& tile = tiles.at(x, y);
@@ -52,7 +52,7 @@ template <typename Coder>
 void code_coverage(Coder& coder, Plane<TileState>& tiles, Plane<uint8_t>& coverage) {
   CoverageModels models;
   code_tiles(coder, models, tiles);
-  for (int y = 0; y < coverage.height; ++y)
+  for (int y = 0; y < coverage.height && !coder.ended(); ++y)
     for (int tx = 0; tx < tiles.width; ++tx) {
       const int x0 = tx * kTile;
       const int x1 = std::min(coverage.width, x0 + kTile);

@@ -184,8 +184,7 @@ class CodeCoder {
   // False as soon as a damaged stream is seen to have ended.
   bool run() {
     for (int y = 0; y < strip_.codes.height; ++y, window_.advance()) {
-      if constexpr (requires { coder_.bytes_missing(); })
-        if (coder_.bytes_missing() > 0) return false;
+      if (coder_.ended()) return false;
       uint8_t* row = strip_.codes.row(y);
       std::copy_n(row, strip_.codes.width, window_.current());
       code_row(y);
@@ -263,13 +262,12 @@ std::vector<uint8_t> encode_depth_strip(const DepthStrip& strip) {
   return coder.finish();
 }
 
-void decode_depth_strip(std::span<const uint8_t> bytes, const Place& place, bool with_codes, DepthStrip& strip) {
+void decode_depth_strip(std::span<const uint8_t> bytes, const Place& place, DepthStrip& strip) {
   RangeDecoder coder(bytes);
   code_coverage(coder, strip.tiles, strip.coverage);
-  if (!with_codes) return;
   if (strip.block_px > 0 && !code_ranges(coder, strip))
     place.refuse("block range", "0 <= low <= high <= 255", "one outside");
-  if (!CodeCoder(coder, strip).run() || coder.bytes_missing() > 0)
+  if (!CodeCoder(coder, strip).run() || coder.ended())
     place.refuse("its coded data", "an end within its " + std::to_string(bytes.size()) + " bytes", "none");
   if (coder.bytes_left() > 0)
     place.refuse("its coded data", "an end after " + std::to_string(bytes.size()) + " bytes",

@@ -30,8 +30,8 @@ Plane<TileState> tile_states(const Plane<uint8_t>& coverage);
 
 std::vector<uint8_t> encode_depth_strip(const DepthStrip& strip);
 
-// `strip` comes with its sizes, block_px and, when block_px is 0, its range; the rest is filled in. Without codes only
-// tiles and coverage are.
-void decode_depth_strip(std::span<const uint8_t> bytes, const Place& place, bool with_codes, DepthStrip& strip);
+// `strip` comes with its sizes, block_px and, when block_px is 0, its range; the rest is filled in, up to where a
+// stream that ends too early does.
+void decode_depth_strip(std::span<const uint8_t> bytes, const Place& place, DepthStrip& strip);
 
 }  // namespace ldp::file

@@ -53,6 +53,8 @@ class RangeEncoder {
     return value;
   }
 
+  bool ended() const { return false; }
+
   std::vector<uint8_t> finish() {
     for (int i = 0; i < 5; ++i) shift_low();
     return std::move(bytes_);
@@ -106,7 +108,7 @@ class RangeDecoder {
     return value;
   }
 
-  size_t bytes_missing() const { return missing_; }  // asked for behind the end
+  bool ended() const { return missing_ > 0; }        // what is decoded from there on is nothing, and takes as long
   size_t bytes_left() const { return static_cast<size_t>(end_ - next_); }
 
  private:
