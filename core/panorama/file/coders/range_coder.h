@@ -108,7 +108,7 @@ class RangeDecoder {
     return value;
   }
 
-  bool ended() const { return missing_ > 0; }        // what is decoded from there on is nothing, and takes as long
+  bool ended() const { return missing_ > 0; }  // what is decoded from there on is nothing, and takes as long
   size_t bytes_left() const { return static_cast<size_t>(end_ - next_); }
 
  private:
