@@ -1,1 +1,1 @@
-ldp_test(images_test SOURCES images_test.cpp USES ldp_photos)
+ldp_test(images_test SOURCES exposure_test.cpp images_test.cpp USES ldp_photos)
