@@ -71,8 +71,10 @@ struct Planes {
 };
 
 Planes make_planes(const RgbImage& photo, const Gain& gain, const Job& job) {
-  Plane<uint16_t> grey = weighted_grey(photo, gain);
-  return {flatten(std::move(grey), job), flatten(red_minus_green(photo, gain), job)};
+  Planes planes;
+  planes.grey = flatten(weighted_grey(photo, gain), job);
+  planes.tint = flatten(red_minus_green(photo, gain), job);
+  return planes;
 }
 
 // The samples of an upright frame. Where its pixels are larger than the photograph's, several places spread over each

@@ -17,6 +17,7 @@ using namespace tuning;
 constexpr uint8_t kPlain = 128;  // flag of a tie between plain pixels
 constexpr int kFraction = 8;     // parts of a disparity step that rounds reckon with
 constexpr int kRowsAtOnce = 16;
+constexpr float kHalf = 0.5F;
 
 constexpr std::array<uint8_t, 256> kTies = [] {
   std::array<uint8_t, 256> ties{};
@@ -164,7 +165,8 @@ class Membrane {
       const int free = total == 0;  // stays where it is
       sum += free * own[x];
       total += free;
-      next[x] = static_cast<uint16_t>(static_cast<int>(static_cast<float>(sum) / static_cast<float>(total) + 0.5F));
+      const float mean = static_cast<float>(sum) / static_cast<float>(total);
+      next[x] = static_cast<uint16_t>(static_cast<int>(mean + kHalf));  // rounded, in vectors
     }
   };
 

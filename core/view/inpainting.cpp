@@ -126,7 +126,7 @@ double fill_background(const Plane<float>& inverse_z, RgbImage& colour, Plane<ui
     const Cell& background = levels[0].samples[i];
     const float own = static_cast<float>(alpha.samples[i]) / 255;
     const auto mix = [own](uint8_t mine, float other) {
-      return static_cast<uint8_t>(own * static_cast<float>(mine) + (1 - own) * other + 0.5F);
+      return static_cast<uint8_t>(std::floor(own * static_cast<float>(mine) + (1 - own) * other + 0.5F));
     };
     Rgb& c = colour.samples[i];
     if (alpha.samples[i] < kSolidAlpha) c = {mix(c.r, background.r), mix(c.g, background.g), mix(c.b, background.b)};

@@ -13,7 +13,8 @@ namespace {
 // The largest squared radius up to which the radial distortion grows with the radius.
 float largest_r2(const Intrinsics& k) {
   constexpr double kStep = 0.01, kLargest = 10;
-  for (double r = 0; r < kLargest; r += kStep) {
+  for (int step = 0; step < kLargest / kStep; ++step) {
+    const double r = step * kStep;
     const double slope = 1 + r * r * (3 * k.k1 + 5 * k.k2 * r * r);
     if (slope <= 0.05) return static_cast<float>(r * r);
   }
