@@ -113,7 +113,8 @@ TEST(Thumbnails, AreMeansOfBlocksAndTrustNoneThatIsClipped) {
     for (int x = 0; x < 10; ++x) photo.at(x, y) = {static_cast<uint8_t>(x % 2 == 0 ? 80 : 120), 50, 200};
   for (int y = 20; y < 30; ++y)
     for (int x = 20; x < 22; ++x) photo.at(x, y) = {255, 255, 255};
-  photo.at(50, 50) = {0, 0, 0};
+  for (int i = 0; i < 12; ++i) photo.at(50 + i % 10, 50 + i / 10) = {0, 0, 0};
+  for (int i = 0; i < 13; ++i) photo.at(70 + i % 10, 50 + i / 10) = {255, 255, 255};
   const Thumbnail thumbnail = make_thumbnail(photo);
   EXPECT_EQ(thumbnail.block_px, 10);
   EXPECT_EQ(thumbnail.mean.width, 64);
@@ -122,7 +123,8 @@ TEST(Thumbnails, AreMeansOfBlocksAndTrustNoneThatIsClipped) {
   EXPECT_FLOAT_EQ(thumbnail.mean.at(9, 9)[2], 200);
   EXPECT_TRUE(thumbnail.usable.at(0, 0));
   EXPECT_FALSE(thumbnail.usable.at(2, 2)) << "a fifth of it is white";
-  EXPECT_TRUE(thumbnail.usable.at(5, 5)) << "one black pixel of a hundred";
+  EXPECT_TRUE(thumbnail.usable.at(5, 5)) << "an eighth of its pixels may be clipped";
+  EXPECT_FALSE(thumbnail.usable.at(7, 5));
   EXPECT_EQ(make_thumbnail(RgbImage(3, 2, {9, 9, 9})).block_px, 1);
 }
 

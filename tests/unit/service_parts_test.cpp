@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -333,8 +334,14 @@ TEST_F(Room, ACancelledSweepGoesWhenNothingIsWrittenIntoItAnyMore) {
   const fs::path folder = folders.of(name);
   EXPECT_TRUE(fs::is_directory(folder));
   FrameWriter writer;
-  writer.put({folder, "frame_000.jpg", {1, 2, 3}, "{}"});
+  ASSERT_EQ(::mkfifo((folder / "frame_000.jpg").c_str(), 0600), 0);  // a disk that does not answer until it is read
+  writer.put({folder, "frame_000.jpg", {1, 2, 3}, ""});
   folders.cancel(name, writer);
+  std::ifstream disk;
+  if (writer.pending() > 0) {  // the write had begun
+    EXPECT_TRUE(fs::exists(folder)) << "it went while it was written into";
+    disk.open(folder / "frame_000.jpg");
+  }
   while (writer.pending() > 0) {
     readable(writer.fd(), 1000);
     writer.take();

@@ -83,6 +83,9 @@ TEST(Shapes, FlatOnesAreMetFromBothSidesWithinTheirOutline) {
     EXPECT_EQ(meeting(Shape::quad, 0, 0.51).t, kNever);
     EXPECT_EQ(meeting(Shape::quad, 0, 0).normal.z(), side);
     EXPECT_DOUBLE_EQ(meeting(Shape::leaf, 0, 0.49).t, 2);
+    EXPECT_DOUBLE_EQ(meeting(Shape::leaf, 0.5, 0.32).t, 2);
+    EXPECT_EQ(meeting(Shape::leaf, 0.5, 0.34).t, kNever);
+    EXPECT_DOUBLE_EQ(meeting(Shape::leaf, -0.5, 0.41).t, 2) << "its base is wider than its tip";
     EXPECT_EQ(meeting(Shape::leaf, 0.99, 0.49).t, kNever) << "a leaf closes at its tips";
     EXPECT_EQ(meeting(Shape::leaf, -0.99, 0.49).t, kNever);
   }

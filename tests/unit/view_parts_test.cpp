@@ -140,6 +140,18 @@ TEST(CodeSmoother, TakesStepsOutWithoutLeavingWhatCodesMean) {
   EXPECT_EQ(layer.colour, before.colour);
 }
 
+TEST(CodeSmoother, MovesASpikeByHalfACodeAtMostEitherWay) {
+  const CodedDepths depths(test::simple_grid(0.5));
+  constexpr uint8_t kStep = 100;
+  for (const int spike : {-1, 1}) {
+    PreparedLayer layer = prepared(9, 9, depths, 2000, kStep);
+    put(layer, depths, 4, 4, static_cast<uint16_t>(2000 + spike * kStep));
+    const float before = layer.w.at(4, 4);
+    smooth_codes(layer, depths, kParallax);
+    EXPECT_NEAR((before - layer.w.at(4, 4)) * static_cast<float>(spike), 0.5F * depths.step(kStep), 1e-6F);
+  }
+}
+
 TEST(CodeSmoother, LeavesFineCodesJumpsAndWhatIsAbsent) {
   const CodedDepths depths(test::simple_grid(0.5));
   PreparedLayer fine = prepared(20, 20, depths, 1000, 1);
