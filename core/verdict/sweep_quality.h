@@ -53,8 +53,8 @@ struct SweepQuality {
   friend bool operator==(const SweepQuality&, const SweepQuality&) = default;
 };
 
-// To and from the figures by name that a file keeps (core/panorama/file/FORMAT.md, "qual"). None when figures are missing or are
-// none that `figures_of` gives.
+// To and from the figures by name that a file keeps (core/panorama/file/FORMAT.md, "qual"). None when figures are
+// missing or are none that `figures_of` gives.
 std::map<std::string, double> figures_of(const SweepQuality& quality);
 std::optional<SweepQuality> quality_from(const std::map<std::string, double>& figures);
 

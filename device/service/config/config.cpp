@@ -52,7 +52,7 @@ class Reader {
       }
       lines_[full] = line_of(node.source());
       key->second->read(node, checked_.config, [&](const toml::node& where, const std::string& what) {
-        add(where.source(), full + ": " + what);
+        add(where.source(), std::string(full).append(": ").append(what));
         wrong_.insert(full);
       });
     }
