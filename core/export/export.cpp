@@ -32,7 +32,7 @@ std::vector<uint8_t> bytes_of(const std::string& text) { return {text.begin(), t
 void check_export_name(const std::filesystem::path& file) { form_of(file); }
 
 std::vector<uint8_t> export_as(const std::filesystem::path& file, const LayeredPanorama& panorama,
-                               const ExportOptions& options, const Job& job) {
+                               std::span<const uint8_t> ldp_file, const ExportOptions& options, const Job& job) {
   switch (form_of(file)) {
     case Form::jpeg:
       return export_jpeg(panorama, options);
@@ -41,7 +41,7 @@ std::vector<uint8_t> export_as(const std::filesystem::path& file, const LayeredP
     case Form::glb:
       return export_glb(panorama, options, job);
     case Form::html:
-      return bytes_of(export_html(panorama, options, job));
+      return bytes_of(export_html(ldp_file));
     case Form::json:
       break;
   }

@@ -4,7 +4,7 @@
 //               part of the sphere it is; .jpg also with EXIF
 //   .glb        the layers as textured meshes that tear at depth edges (glTF 2.0, unlit); y is up, the arc's centre is
 //               the origin
-//   .html       a viewer with parallax in one file that needs no network
+//   .html       a viewer with parallax (web/) in one file that needs no network, the .ldp file inside
 //   .json       transforms.json of the source cameras
 //
 // A pushbroom panorama flattened is what it is: every column seen from its own place of the arc.
@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,12 +28,13 @@ struct ExportOptions {
 std::vector<uint8_t> export_jpeg(const LayeredPanorama& panorama, const ExportOptions& options);
 std::vector<uint8_t> export_png(const LayeredPanorama& panorama);
 std::vector<uint8_t> export_glb(const LayeredPanorama& panorama, const ExportOptions& options, const Job& job = {});
-std::string export_html(const LayeredPanorama& panorama, const ExportOptions& options, const Job& job = {});
+std::string export_html(std::span<const uint8_t> ldp_file);
 
 // By the file's extension, in capitals or not; std::runtime_error that lists the known ones for any other, which
-// check_export_name throws before any work is done.
+// check_export_name throws before any work is done. `ldp_file`: what the panorama was decoded from.
 std::vector<uint8_t> export_as(const std::filesystem::path& file, const LayeredPanorama& panorama,
-                               const ExportOptions& options = {}, const Job& job = {});
+                               std::span<const uint8_t> ldp_file, const ExportOptions& options = {},
+                               const Job& job = {});
 void check_export_name(const std::filesystem::path& file);
 
 }  // namespace ldp

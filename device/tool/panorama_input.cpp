@@ -60,12 +60,17 @@ void add_panorama_input(CLI::App& command, PanoramaInput& input) {
 
 LayeredPanorama read_panorama(const PanoramaInput& input, const BytesBeside& beside, const Job& job) {
   check_input_file(input.file);
+  const MappedFile mapped(input.file);
+  return decode_panorama(input, mapped.bytes(), beside, job);
+}
+
+LayeredPanorama decode_panorama(const PanoramaInput& input, std::span<const uint8_t> bytes, const BytesBeside& beside,
+                                const Job& job) {
   try {
-    const MappedFile mapped(input.file);
-    const LdpDescription description = describe_ldp(mapped.bytes());
+    const LdpDescription description = describe_ldp(bytes);
     check_memory(input, decoding_bytes(description, job.threads) + bytes_beside(description, beside),
                  what_it_is(description));
-    return decode_ldp(mapped.bytes(), {}, job);
+    return decode_ldp(bytes, {}, job);
   } catch (const LdpError& error) {
     throw BadInput(input.file + ": " + error.what() + ": copy the file again, or see ldp verify");
   }

@@ -33,6 +33,10 @@ void add_panorama_input(CLI::App& command, PanoramaInput& input);  // FILE and -
 // be used.
 LayeredPanorama read_panorama(const PanoramaInput& input, const BytesBeside& beside, const Job& job);
 
+// The same of bytes that were read from the file already.
+LayeredPanorama decode_panorama(const PanoramaInput& input, std::span<const uint8_t> bytes, const BytesBeside& beside,
+                                const Job& job);
+
 // Every damage found, one line each. Throws as above, but for damage.
 std::vector<std::string> verify_panorama(const PanoramaInput& input, std::span<const uint8_t> bytes, const Job& job);
 

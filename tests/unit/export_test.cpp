@@ -6,11 +6,13 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 
 #include "core/captures/transforms.h"
 #include "core/export/equirectangular.h"
 #include "core/export/surface.h"
+#include "core/panorama/file/ldp_file.h"
 #include "core/photos/images.h"
 #include "tests/golden/synthetic_panorama.h"
 
@@ -58,7 +60,7 @@ TEST(ExportFlat, JpegAndPngCarryGpanoThatFitsTheImage) {
     EXPECT_LE(flat.top + flat.image.height, flat.full_height);
     EXPECT_EQ(flat.image.width == flat.full_width, wraps);
     for (const char* name : {"a.jpg", "a.PNG"}) {
-      const std::vector<uint8_t> file = export_as(name, panorama);
+      const std::vector<uint8_t> file = export_as(name, panorama, {});
       const std::string text(file.begin(), file.end());
       EXPECT_THAT(text, HasSubstr("GPano:CroppedAreaImageWidthPixels=\"" + std::to_string(flat.image.width) + "\""));
       EXPECT_THAT(text, HasSubstr("GPano:FullPanoWidthPixels=\"" + std::to_string(flat.full_width) + "\""));
@@ -79,7 +81,7 @@ uint32_t exif_entry(const std::vector<uint8_t>& tiff, size_t directory, uint32_t
 }
 
 TEST(ExportFlat, ExifPointsToTheDirectoryOfTheTimeItWasTaken) {
-  const std::vector<uint8_t> file = export_as("a.jpg", synthetic_panorama({}));
+  const std::vector<uint8_t> file = export_as("a.jpg", synthetic_panorama({}), {});
   const std::string text(file.begin(), file.end());
   const size_t tiff_at = text.find(std::string("Exif\0\0", 6)) + 6;
   ASSERT_LT(tiff_at, text.size());
@@ -92,7 +94,7 @@ TEST(ExportFlat, ExifPointsToTheDirectoryOfTheTimeItWasTaken) {
 }
 
 TEST(ExportFlat, ExifHoldsTimeAndDevice) {
-  const std::vector<uint8_t> file = export_as("a.jpg", synthetic_panorama({}));
+  const std::vector<uint8_t> file = export_as("a.jpg", synthetic_panorama({}), {});
   const std::string text(file.begin(), file.end());
   EXPECT_THAT(text, HasSubstr("2026:01:02 03:04:05"));
   EXPECT_THAT(text, HasSubstr("synthetic"));
@@ -137,7 +139,8 @@ TEST(ExportSurface, TearsBetweenNearAndFar) {
 }
 
 TEST(ExportGlb, IsAWellFormedContainer) {
-  const std::vector<uint8_t> file = export_as("a.glb", synthetic_panorama({300, 90, 8, 3, true, Rays::central, true}));
+  const std::vector<uint8_t> file =
+      export_as("a.glb", synthetic_panorama({300, 90, 8, 3, true, Rays::central, true}), {});
   EXPECT_EQ(std::memcmp(file.data(), "glTF", 4), 0);
   EXPECT_EQ(u32(file, 4), 2u);
   EXPECT_EQ(u32(file, 8), file.size());
@@ -149,25 +152,34 @@ TEST(ExportGlb, IsAWellFormedContainer) {
   EXPECT_THAT(json, HasSubstr("layer 3"));
 }
 
+constexpr size_t kMostOfViewer = 60'000;  // bytes of a page, beside 1.4 times its panorama
+
 TEST(ExportHtml, NeedsNoNetwork) {
-  const std::string page = export_html(synthetic_panorama({}), {});
+  const std::string page = export_html(encode_ldp(synthetic_panorama({}), {}));
   EXPECT_EQ(page.find("http:"), std::string::npos);
   EXPECT_EQ(page.find("https:"), std::string::npos);
-  EXPECT_EQ(page.find("@PANORAMA@"), std::string::npos);
-  EXPECT_THAT(page, HasSubstr("data:image/png;base64,"));
+  for (const char* mark : {"@SCRIPTS@", "@START@", "@PANORAMA@"}) EXPECT_EQ(page.find(mark), std::string::npos);
   EXPECT_THAT(page, ::testing::EndsWith("</html>\n"));
+}
+
+TEST(ExportHtml, HoldsTheFileItselfAndTheViewerIsSmall) {
+  const std::vector<uint8_t> file = {0xAB, 'L', 'D', 'P', 0xFF};
+  EXPECT_THAT(export_html(file), HasSubstr(">q0xEUP8=</script>"));
+  EXPECT_THAT(export_html(std::span(file).first(4)), HasSubstr(">q0xEUA==</script>"));
+  EXPECT_THAT(export_html(std::span(file).first(3)), HasSubstr(">q0xE</script>"));
+  EXPECT_LT(export_html({}).size(), kMostOfViewer);
 }
 
 TEST(ExportJson, GivesTheCamerasBack) {
   const LayeredPanorama panorama = synthetic_panorama({});
-  const std::vector<uint8_t> file = export_as("cameras.json", panorama);
+  const std::vector<uint8_t> file = export_as("cameras.json", panorama, {});
   EXPECT_EQ(parse_transforms({reinterpret_cast<const char*>(file.data()), file.size()}, "a").size(),
             panorama.cameras.size());
 }
 
 TEST(Export, AnUnknownExtensionIsRefusedWithTheKnownOnes) {
   try {
-    export_as("a.obj", synthetic_panorama({}));
+    export_as("a.obj", synthetic_panorama({}), {});
     FAIL();
   } catch (const std::runtime_error& e) {
     EXPECT_STREQ(e.what(), "a.obj: cannot export to '.obj': .jpg, .png, .glb, .html or .json");

@@ -5,7 +5,7 @@ export const NO_DISPARITY = 65535;
 /** Disparity D stands for inverse depth w_far + (w_near - w_far) D / DISPARITY_STEPS. */
 export const DISPARITY_STEPS = 3825;
 
-const ABSENT = -1;
+const NO_CODE = -1;
 const CODES = 16;
 /** g(d) of FORMAT.md for d = -15 .. 15, at d + 15. */
 const G = Uint8Array.from({ length: 31 }, (_, i) => {
@@ -28,7 +28,7 @@ export class CodeDecoder {
     Object.assign(this, { decoder, coverage, ranges, width, height });
     this.stride = width + 3;
     const samples = this.stride * (height + 2);
-    this.codes = new Int8Array(samples).fill(ABSENT);
+    this.codes = new Int8Array(samples).fill(NO_CODE);
     this.rangeOf = new Uint16Array(samples); // low << 8 | high
     this.a = new Models(343 * 6);
     this.b = new Models(343 * 4);
@@ -72,7 +72,7 @@ export class CodeDecoder {
   codeIn(own, j) {
     const code = this.codes[j];
     const its = this.rangeOf[j];
-    if (code === ABSENT || its === own) return code;
+    if (code === NO_CODE || its === own) return code;
     const disparity = 15 * (its >> 8) + ((its & 255) - (its >> 8)) * code;
     const low = own >> 8;
     const span = (own & 255) - low;
@@ -88,14 +88,14 @@ export class CodeDecoder {
     let ne = this.codeIn(own, at - stride + 1);
     let ww = this.codeIn(own, at - 2);
     let nn = this.codeIn(own, at - 2 * stride);
-    const absent = (w === ABSENT ? 1 : 0) + (n === ABSENT ? 1 : 0);
-    if (absent === 2) w = n = ne !== ABSENT ? ne : nw !== ABSENT ? nw : 0;
-    if (n === ABSENT) n = w;
-    if (w === ABSENT) w = nw !== ABSENT ? nw : n;
-    if (nw === ABSENT) nw = n;
-    if (ne === ABSENT) ne = n;
-    if (ww === ABSENT) ww = w;
-    if (nn === ABSENT) nn = n;
+    const absent = (w === NO_CODE ? 1 : 0) + (n === NO_CODE ? 1 : 0);
+    if (absent === 2) w = n = ne !== NO_CODE ? ne : nw !== NO_CODE ? nw : 0;
+    if (n === NO_CODE) n = w;
+    if (w === NO_CODE) w = nw !== NO_CODE ? nw : n;
+    if (nw === NO_CODE) nw = n;
+    if (ne === NO_CODE) ne = n;
+    if (ww === NO_CODE) ww = w;
+    if (nn === NO_CODE) nn = n;
     const gn = G[n - nw + 15];
     const gw = G[w - nw + 15];
     const q = 49 * gn + 7 * gw + G[ne - n + 15];

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "core/base/files.h"
 #include "core/export/export.h"
 #include "core/photos/images.h"
 #include "device/tool/commands.h"
@@ -42,8 +43,10 @@ int run(const ExportCommand& command, const Session& session) {
   check_output_file(command.output, exported_kind(command.output));
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
-  const LayeredPanorama panorama = read_panorama(command.input, kExporting, job);
-  const std::vector<uint8_t> exported = export_as(command.output, panorama, command.options, job);
+  check_input_file(command.input.file);
+  const MappedFile mapped(command.input.file);
+  const LayeredPanorama panorama = decode_panorama(command.input, mapped.bytes(), kExporting, job);
+  const std::vector<uint8_t> exported = export_as(command.output, panorama, mapped.bytes(), command.options, job);
   job.check();
   write_output(command.output, exported);
   bar.reset();

@@ -1,0 +1,20 @@
+/**
+ * <layered-panorama src="room.ldp"></layered-panorama>
+ * Events: `load` when everything is there; `error`, a CustomEvent<string> with words, when it cannot be shown.
+ */
+export class LayeredPanorama extends HTMLElement {
+  /** The whole file, instead of `src`. */
+  set file(bytes: ArrayBuffer);
+  /** Whether all of the panorama is there. */
+  readonly complete: boolean;
+  /** What a pinhole camera sees (pixels; 4 x 4 in OpenGL axes, as in transforms.json): RGBA, row by row. */
+  pictureOf(camera: {
+    width: number; height: number; fx: number; fy: number; cx: number; cy: number; worldFromCamera: number[][];
+  }): Uint8Array;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    'layered-panorama': LayeredPanorama;
+  }
+}

@@ -1,0 +1,1 @@
+document.querySelector('layered-panorama').file = ldpPage.bytes('panorama').buffer;

@@ -1,0 +1,54 @@
+import { decodeImageInBrowser } from '../reader/browser_images.js';
+import { LdpReader } from '../reader/ldp_reader.js';
+import { verdictOf } from '../reader/verdict.js';
+import { MeshBuilder } from '../surfaces/mesh.js';
+
+const MOST_SHOWN_PIXELS = 2 ** 25; // of a layer: what the memory of a phone holds several of
+
+/**
+ * What a preparation tells, in this order:
+ *   {opened: {head, layers, verdict, metadata}}   everything but the layers
+ *   {progress: 0 .. 1}                            again and again
+ *   {number, strip}                               a strip to draw; one that comes again takes the earlier one's place
+ *   {seen: true}                                  the strips so far make a picture
+ *   {done: true} or {failed: message}
+ * @typedef {object} PreparationMessage
+ */
+
+/**
+ * Reads a file and makes its mesh: first of the front layer alone, so that something is seen soon, then of all.
+ * @param {ArrayBuffer} file
+ * @param {(message: PreparationMessage, transferred?: ArrayBuffer[]) => void} tell
+ */
+export async function prepare(file, tell) {
+  try {
+    const reader = new LdpReader(file, { mostPixels: MOST_SHOWN_PIXELS });
+    tell({ opened: { head: reader.head, layers: reader.layers, verdict: verdictOf(reader.quality),
+                     metadata: Object.fromEntries(reader.metadata) } });
+    const builder = new MeshBuilder(reader.head, reader.cameras);
+    const steps = reader.layers.length + 1;
+    for (let layer = 0; layer < reader.layers.length; layer++) {
+      const onProgress = (share) => tell({ progress: (layer + share) / steps });
+      const planes = await reader.readLayer(layer, { decodeImage: decodeImageInBrowser, onProgress });
+      builder.addLayer(planes, reader.layers[layer].blockPx > 0);
+      if (layer > 0) continue;
+      tellStrips(builder, tell, () => {});
+      tell({ seen: true });
+    }
+    builder.addMadeUp();
+    tellStrips(builder, tell, (share) => tell({ progress: (steps - 1 + share) / steps }));
+    tell({ done: true });
+  } catch (error) {
+    tell({ failed: error.message });
+  }
+}
+
+function tellStrips(builder, tell, onProgress) {
+  for (let number = 0; number < builder.stripCount; number++) {
+    const strip = builder.buildStrip(number);
+    const transferred = [strip.opaque, strip.soft];
+    for (const { vertices, triangles, texture } of strip.cells) transferred.push(vertices, triangles.buffer, texture.data.buffer);
+    tell({ number, strip }, transferred);
+    onProgress((number + 1) / builder.stripCount);
+  }
+}
