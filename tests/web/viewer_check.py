@@ -1,0 +1,208 @@
+#!/usr/bin/env python3
+"""The page of an export in a real browser: its picture against `ldp render`, hands, faults.
+
+  viewer_check.py LDP [-o FOLDER]      LDP: the program. FOLDER keeps pictures of what was compared
+"""
+import argparse
+import base64
+import http.server
+import json
+import pathlib
+import subprocess
+import tempfile
+import threading
+import unittest
+
+import numpy
+from PIL import Image
+
+import browser
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+VIEWS = 10
+LEAST_PSNR_DB = 38.0
+MOST_VIEWER_BYTES = 60_000  # of a page beside 1.4 times its .ldp
+LOAD_S = 60
+REDUCED_MOTION = ["--force-prefers-reduced-motion"]
+
+PIXELS = """
+const pixels = %s;
+let text = '';
+for (let i = 0; i < pixels.length; i += 8192) text += String.fromCharCode(...pixels.subarray(i, i + 8192));
+return btoa(text);"""
+VIEWER = "document.querySelector('layered-panorama')"
+COMPLETE = f"const v = {VIEWER}; return v.complete || (v.frame && v.frame.message.textContent)"
+
+
+def psnr_db(a, b):
+    error = numpy.mean((a.astype(float) - b.astype(float)) ** 2)
+    return 99.0 if error == 0 else 10 * numpy.log10(255 ** 2 / error)
+
+
+def picture(page, expression, width, height, *arguments):
+    data = base64.b64decode(page.run(PIXELS % expression, *arguments))
+    return numpy.frombuffer(data, numpy.uint8).reshape(height, width, 4)[:, :, :3]
+
+
+class Room:
+    """A small sweep of the project's own scene, its panorama, its page, views of it by `ldp render`."""
+
+    def __init__(self, program, folder):
+        self.folder = pathlib.Path(folder)
+        ldp = lambda *words: subprocess.run([program, *map(str, words)], check=True, stdout=subprocess.DEVNULL)
+        sweep, self.ldp_file, self.page = self.folder / "sweep", self.folder / "room.ldp", self.folder / "room.html"
+        ldp("scene", "room", "-o", sweep, "--size", "320x240", "--frames", "10", "--arc", "90")
+        ldp("build", sweep, "--cameras", sweep / "transforms.json", "-o", self.ldp_file)
+        ldp("export", self.ldp_file, "-o", self.page)
+        views = json.loads((sweep / "novel.json").read_text())
+        views["frames"] = views["frames"][:VIEWS]
+        (self.folder / "views.json").write_text(json.dumps(views))
+        ldp("render", self.ldp_file, "--cameras", self.folder / "views.json", "--fill", "background", "-o",
+            self.folder / "rendered")
+        lens = dict(width=views["w"], height=views["h"], fx=views["fl_x"], fy=views["fl_y"], cx=views["cx"], cy=views["cy"])
+        self.cameras = [(pathlib.Path(f["file_path"]).stem, dict(lens, worldFromCamera=f["transform_matrix"]))
+                        for f in views["frames"]]
+
+    def rendered(self, name):
+        return numpy.asarray(Image.open(self.folder / "rendered" / (name + ".png")).convert("RGB"))
+
+
+class ViewerCheck(unittest.TestCase):
+    room = None
+    page = None
+
+    @classmethod
+    def setUpClass(cls):
+        cls.page = browser.Browser(800, 600, REDUCED_MOTION)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.page.__exit__()
+
+    def setUp(self):
+        self.open(self.room.page.as_uri())
+
+    def tearDown(self):
+        self.assertNotIn("Uncaught", self.page.complaints())
+
+    def open(self, url):
+        self.page.open(url)
+        self.assertIs(self.page.wait_until(COMPLETE, LOAD_S)[0], True)
+
+    def state(self, name):
+        return self.page.run(f"return {VIEWER}.viewpoint.{name}")
+
+    def test_the_page_is_the_file_and_a_small_viewer(self):
+        most = 1.4 * self.room.ldp_file.stat().st_size + MOST_VIEWER_BYTES
+        self.assertLess(self.room.page.stat().st_size, most)
+
+    def test_its_pictures_are_those_of_ldp_render(self):
+        found = []
+        for name, camera in self.room.cameras:
+            shown = picture(self.page, f"{VIEWER}.pictureOf(arguments[0])", camera["width"], camera["height"], camera)
+            Image.fromarray(shown).save(self.room.folder / ("shown_%s.png" % name))
+            found.append(psnr_db(shown, self.room.rendered(name)))
+        print("against ldp render: %.1f dB at least, %.1f in the mean of %d views" % (min(found), sum(found) / len(found), len(found)))
+        self.assertEqual(len(found), VIEWS)
+        self.assertGreater(min(found), LEAST_PSNR_DB)
+
+    def test_nothing_is_left_unfilled_anywhere_within_the_limits(self):
+        draw = f"""(() => {{ const v = {VIEWER}, [at, l] = [v.viewpoint, v.viewpoint.limits];
+          at.yaw = arguments[0] < 0 ? l.yaw[0] : arguments[0] > 0 ? l.yaw[1] : at.middle;
+          at.out = l.out[arguments[1]]; at.up = l.up[arguments[2]]; at.zoom = 0.7;
+          v.scene.draw(at.camera(320, 240)); return v.scene.pixels(); }})()"""
+        for yaw in (-1, 0, 1):
+            for out in (0, 1):
+                for up in (0, 1):
+                    shown = picture(self.page, draw, 320, 240, yaw, out, up)
+                    Image.fromarray(shown).save(self.room.folder / ("limit_%d_%d_%d.png" % (yaw, out, up)))
+                    self.assertEqual(int(numpy.sum(shown.max(axis=2) < 4)), 0, (yaw, out, up))
+
+    def test_hands_turn_move_and_zoom(self):
+        before = self.state("yaw")
+        drag = [{"type": "pointerMove", "x": 300, "y": 200}, {"type": "pointerDown", "button": 0},
+                {"type": "pointerMove", "x": 400, "y": 220, "duration": 50}, {"type": "pointerUp", "button": 0}]
+        self.page.act({"type": "pointer", "id": "mouse", "actions": drag})
+        self.assertGreater(self.state("yaw"), before)
+        pinch = [{"type": "pointer", "id": name, "parameters": {"pointerType": "touch"}, "actions": [
+            {"type": "pointerMove", "x": start, "y": 200}, {"type": "pointerDown", "button": 0},
+            {"type": "pointerMove", "x": end, "y": 200, "duration": 100}, {"type": "pointerUp", "button": 0}]}
+            for name, start, end in (("a", 350, 250), ("b", 450, 550))]
+        self.page.act(*pinch)
+        self.assertGreater(self.state("zoom"), 1.5)
+        self.page.act({"type": "wheel", "id": "wheel", "actions": [
+            {"type": "scroll", "x": 300, "y": 200, "deltaX": 0, "deltaY": 400}]})
+        self.assertLess(self.state("zoom"), 2.2)
+
+    def test_the_eye_comes_to_rest_within_the_limits(self):
+        self.press("w", 3)
+        least, most = self.state("limits.out")
+        self.assertGreater(self.state("out"), 0)
+        self.assertLessEqual(self.state("out"), most)
+        self.page.run(f"{VIEWER}.viewpoint.move({{ out: -1000, up: 1000, pitch: 1000 }})")
+        self.assertEqual(self.state("out"), least)
+        self.press("\ue011", 0)
+        self.assertEqual(self.state("out"), 0)
+
+    def press(self, key, seconds):
+        self.page.run(f"{VIEWER}.frame.canvas.focus()")
+        self.page.act({"type": "key", "id": "keys", "actions": [
+            {"type": "keyDown", "value": key}, {"type": "pause", "duration": int(1000 * seconds)}, {"type": "keyUp", "value": key}]})
+
+    def test_the_panel_tells_verdict_and_capture(self):
+        self.press("i", 0)
+        text = self.page.run(f"return {VIEWER}.frame.panel.hidden ? '' : {VIEWER}.frame.panel.textContent")
+        self.assertRegex(text, r"(Good|Fair|Sweep again): new views of about \d+ dB")
+        self.assertIn("layers", text)
+
+    def test_a_lost_context_is_restored(self):
+        name, camera = self.room.cameras[0]
+        self.page.run(f"const v = {VIEWER}; window.lose = v.scene.gl.getExtension('WEBGL_lose_context'); lose.loseContext()")
+        self.page.wait_until(f"return {VIEWER}.scene === null", LOAD_S)
+        self.page.run("lose.restoreContext()")
+        self.page.wait_until(f"return {VIEWER}.scene !== null && {VIEWER}.complete", LOAD_S)
+        shown = picture(self.page, f"{VIEWER}.pictureOf(arguments[0])", camera["width"], camera["height"], camera)
+        self.assertGreater(psnr_db(shown, self.room.rendered(name)), LEAST_PSNR_DB)
+
+    def test_a_damaged_file_is_told_in_words(self):
+        self.page.run(f"const v = {VIEWER}, bytes = v.bytes.slice(0); new Uint8Array(bytes)[900] ^= 1; v.file = bytes")
+        words, _ = self.page.wait_until(f"return {VIEWER}.frame.message.textContent", LOAD_S)
+        self.assertRegex(words, r"^This panorama cannot be shown: chunk \w{4}.*: checksum: expected")
+
+    def test_the_modules_load_a_file_over_http(self):
+        class Quiet(http.server.SimpleHTTPRequestHandler):
+            def translate_path(self, path):
+                return str((ROOT if path.startswith("/web/") else room.folder) / path.lstrip("/"))
+
+            def log_message(self, *_):
+                pass
+
+        room = self.room
+        (room.folder / "modules.html").write_text("<layered-panorama src='room.ldp' style='height: 300px'></layered-panorama>"
+                                                  "<script type='module' src='web/layered_panorama.js'></script>")
+        with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Quiet) as server:
+            threading.Thread(target=server.serve_forever, daemon=True).start()
+            try:
+                self.open("http://127.0.0.1:%d/modules.html" % server.server_port)
+                self.page.run(f"{VIEWER}.setAttribute('src', 'none.ldp')")
+                words, _ = self.page.wait_until(f"return {VIEWER}.frame.message.textContent", LOAD_S)
+                self.assertRegex(words, "none.ldp cannot be loaded: the server answered 404")
+            finally:
+                server.shutdown()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("ldp")
+    parser.add_argument("-o", dest="folder")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="ldp_viewer_") as folder:
+        if arguments.folder:
+            pathlib.Path(arguments.folder).mkdir(parents=True, exist_ok=True)
+        ViewerCheck.room = Room(arguments.ldp, arguments.folder or folder)
+        result = unittest.TextTestRunner(verbosity=2).run(unittest.defaultTestLoader.loadTestsFromTestCase(ViewerCheck))
+    return 0 if result.wasSuccessful() else 1
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
