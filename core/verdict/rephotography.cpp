@@ -136,7 +136,6 @@ class Rephotography::Columns {
     sense_ = heading_.back() >= heading_.front() ? 1 : -1;
     const double first = heading_.front();
     for (double& heading : heading_) heading = rounded(sense_ * (heading - first), 8);
-    round_ = grid.wraps;
     double least = 0, most = 0;
     for (size_t i = 0; i < cameras.size(); ++i) {
       const Intrinsics& k = cameras[i].intrinsics;
@@ -145,6 +144,8 @@ class Rephotography::Columns {
         most = std::max(most, degrees(i, k, x));
       }
     }
+    // Cameras from elsewhere may turn on and on though they move along an arc: what is beyond two rounds starts anew.
+    round_ = grid.wraps || most - least > 2 * 360;
     first_ = round_ ? 0 : static_cast<int>(std::floor(least / kDirection_deg));
     count_ = round_ ? kFullTurn : static_cast<int>(std::floor(most / kDirection_deg)) + 1 - first_;
   }

@@ -370,6 +370,23 @@ TEST(Rephotography, WhatIsShownAsItWasTakenHasNoError) {
   EXPECT_NEAR(two.evidence.photos[0].measures.brightness, 77 * 100 / 256.0 + 64.4, 2);
 }
 
+TEST(Rephotography, CamerasThatTurnOnAndOnTakeNoMoreThanTwoRoundsOfDirections) {
+  PanoramaGrid grid;
+  grid.width = 100, grid.height = 50;
+  std::vector<Camera> cameras(300);
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    cameras[i].intrinsics = {40, 30, 40, 40, 20, 15, 0, 0, 0, 0};
+    cameras[i].pose.world_from_camera =
+        Eigen::AngleAxisd(2.0 * static_cast<double>(i), Eigen::Vector3d::UnitZ()).toRotationMatrix() *
+        (Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished();
+  }
+  SweepEvidence evidence;
+  const Job job;
+  const Rephotography rephotography(grid, cameras, std::vector<Gain>(300, Gain{1, 1, 1}), job, evidence);
+  EXPECT_NEAR(evidence.photos[1].heading_deg, 2 * 180 / 3.14159265, 0.01);
+  EXPECT_LE(evidence.photos[0].directions.size(), static_cast<size_t>(2 * 360 / kDirection_deg) + 1);
+}
+
 TEST(Rephotography, AWrongDepthIsToldByThePhotoBeside) {
   TwoPhotos two(1);
   const DirectionEvidence all = two.compare();
