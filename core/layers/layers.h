@@ -45,6 +45,8 @@ void add_layer(const PanoramaGrid& grid, const DisparityMap& layer, const std::v
 // The farthest disparity within `reach_px` of each pixel: what is left of surfaces well inside their outlines, and so
 // surely hides what lies behind. (Windows of matching make near surfaces a few pixels too wide.)
 DisparityMap without_silhouettes(const DisparityMap& layer, int reach_px);
+// The nearest one: surfaces that are wider by so much. Of a dense layer.
+DisparityMap widened(const DisparityMap& layer, int reach_px);
 
 enum Want : uint8_t { kUnwanted = 0, kWanted = 1, kBoundary = 2 };
 
@@ -76,6 +78,12 @@ int drop_unseen(const PanoramaGrid& grid, const CameraViews& views, const Job& j
 // better there.
 void fit_outlines(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const Job& job,
                   DisparityMap& layer);
+
+// Fuses depth maps (proposal_fusion.cpp): where `proposal` has another surface than the layer, the layer takes it over
+// if the photographs, compared with each other over both, contradict it less. That is decided for all of a square of
+// `cell_px` pixels at once, but for what is nearer and what is farther apart.
+void fuse_proposal(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const DisparityMap& proposal,
+                   int cell_px, const Job& job, DisparityMap& layer);
 
 // Removes connected parts of fewer than `least` pixels: they cost much to store, and a renderer lets the background go
 // on there.

@@ -1,8 +1,11 @@
-// What was tuned where silhouettes are cut (silhouettes.cpp): unit, meaning. What a caller may choose is in
-// LayersOptions.
+// What was tuned in this stage: unit, meaning. What a caller may choose is in LayersOptions.
 #pragma once
 
+#include <cstddef>
+
 namespace ldp::layers::tuning {
+
+// Where silhouettes are cut (silhouettes.cpp).
 
 constexpr int kReachPx = 12;                     // an outline moves inwards by at most so much
 constexpr double kApartPx = 4;                   // surfaces have an outline where parallax between them exceeds this
@@ -13,5 +16,16 @@ constexpr int kTintNoise = 4 * kGreySteps;       // chroma is coarser in photos
 constexpr int kMostDiffer = 40 * kGreySteps;     // what differs more is just another surface
 constexpr int kMargin = kGreySteps;              // by which photographs must prefer the farther surface
 constexpr int kSmoothness = 3 * kGreySteps / 4;  // gain of each of the eight neighbours on one's own surface
+
+// Which of two depth maps the photographs contradict less (proposal_fusion.cpp).
+constexpr double kFusionApartPx = 2;  // surfaces differ where parallax between them exceeds this
+
+// How photographs contradict a surface (photo_consistency.h).
+constexpr size_t kWitnesses = 4;                          // cameras next to one that are asked
+constexpr double kWitnessCosine = 0.3;                    // between their axes at least: 72 degrees
+constexpr int kWitnessNoise = 2;                          // grey levels that samples of one surface may differ by
+constexpr int kWitnessMostDiffer = 24;                    // grey levels: what differs more is just another surface
+constexpr int kDifferenceSteps = 16;                      // to a grey level
+constexpr int kUnknownDifference = 6 * kDifferenceSteps;  // of what no other camera sees
 
 }  // namespace ldp::layers::tuning

@@ -60,13 +60,13 @@ class OutlineFitter {
   };
 
   // Nearest to the rays first.
-  std::vector<uint8_t> cameras_at(Heading h) const {
-    std::vector<std::pair<double, uint8_t>> sorted;
+  std::vector<uint16_t> cameras_at(Heading h) const {
+    std::vector<std::pair<double, uint16_t>> sorted;
     for (size_t i = 0; i < projections_.size(); ++i)
       if (projections_[i].column(h).forward > 0.1)
-        sorted.emplace_back(std::abs(projections_[i].aside(h)), static_cast<uint8_t>(i));
+        sorted.emplace_back(std::abs(projections_[i].aside(h)), static_cast<uint16_t>(i));
     std::sort(sorted.begin(), sorted.end());
-    std::vector<uint8_t> cameras;
+    std::vector<uint16_t> cameras;
     for (size_t i = 0; i < std::min<size_t>(kMostViews, sorted.size()); ++i) cameras.push_back(sorted[i].second);
     return cameras;
   }
@@ -134,7 +134,7 @@ class OutlineFitter {
   void add_costs_of_column(int x, int y, double w, int& sum, int& count) const {
     std::array<std::array<Tone, kMostViews>, 3> tones;
     std::array<int, 3> views{};
-    for (const uint8_t camera : facing_[static_cast<size_t>(x)]) {
+    for (const uint16_t camera : facing_[static_cast<size_t>(x)]) {
       const Line line = line_of(camera, x, w);
       if (!line.seen) continue;
       for (int j = 0; j < 3; ++j) {
@@ -202,8 +202,8 @@ class OutlineFitter {
   DisparityMap& layer_;
   SurfaceTolerance<int> one_surface_;  // in disparity steps
   std::vector<VoxelProjection> projections_;
-  std::vector<Heading> headings_;             // of column centres
-  std::vector<std::vector<uint8_t>> facing_;  // of each column
+  std::vector<Heading> headings_;              // of column centres
+  std::vector<std::vector<uint16_t>> facing_;  // of each column
 };
 
 }  // namespace

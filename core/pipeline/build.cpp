@@ -119,6 +119,16 @@ class Build {
   }
 
   DisparityMap front_layer(const std::string& name) {
+    DisparityMap disparity = swept_front(name);
+    if (!last_) return disparity;  // what only hides does so inside its outlines
+    fit_outlines(grid_, upright_, job_, disparity);
+    watch_.lap("outlines");
+    fuse_proposals(disparity);
+    watch_.lap("fusion");
+    return disparity;
+  }
+
+  DisparityMap swept_front(const std::string& name) {
     const std::vector<VisibilityMap> hiding = sure_visibility();
     SweepOptions options = sweep_options();
     options.points = &poses_.points;
@@ -126,9 +136,22 @@ class Build {
     const Plane<uint8_t> labels = solve(sweep, Plane<uint8_t>(), name);
     DisparityMap disparity = refine(sweep, labels, {}, job_);
     watch_.lap("refine");
-    if (last_) fit_outlines(grid_, upright_, job_, disparity);  // what only hides does so inside its outlines
-    watch_.lap("outlines");
     return disparity;
+  }
+
+  // The later of two iterations frees what stands beside near surfaces, and eats their edges where they are plain; each
+  // is right in places. Then surfaces a little wider, and without small near ones.
+  void fuse_proposals(DisparityMap& layer) {
+    const auto choose = [&](const DisparityMap& proposal, int cell_px) {
+      fuse_proposal(grid_, upright_, proposal, cell_px, job_, layer);
+    };
+    if (!layers_.empty()) {
+      DisparityMap before = std::move(layers_[0]);
+      fit_outlines(grid_, upright_, job_, before);
+      choose(before, kFusionCellPx);
+    }
+    choose(widened(layer, kNarrowPx), kFineCellPx);
+    choose(widened(without_silhouettes(layer, kSmallPx), kSmallPx), kFineCellPx);
   }
 
   // Empty when no camera sees anything behind the layers found so far.

@@ -27,9 +27,9 @@ constexpr size_t kEasyMemory = 128 << 20;  // bytes that every board has to spar
 struct BuildOptions {
   int layers = 3;   // 1 .. 8
   int labels = 16;  // 2 .. 16
-  // 1 .. 4. From the second on, what the one before found hides voxels from cameras: depth and outlines a little
-  // better, for a fifth more time.
-  int iterations = 1;
+  // 1 .. 4. From the second on, what the one before found hides voxels from cameras; of the last two, the photographs
+  // choose place by place.
+  int iterations = 2;
   Rays rays = Rays::pushbroom;
   int block_px = 16;                     // of the depth codes; 0 = uniform codes
   double near_depth = 0, far_depth = 0;  // capture's unit; 0 = from the points

@@ -16,7 +16,11 @@ constexpr double kKnownPx = 2.5;
 // What lies less behind the surface in front of it is not kept: within the viewing space it shows by half as much, as a
 // rim that a renderer gets by letting the background go on underneath.
 constexpr double kSeparatePx = 10;
-constexpr int kSpeckPx = 8;       // parts of layers behind that hold fewer pixels are not kept
+constexpr int kSpeckPx = 8;  // parts of layers behind that hold fewer pixels are not kept
+// The photographs choose between depth maps in squares of so many pixels of the panorama: between those of two
+// iterations, and in finer ones between surfaces as found, wider by the third, and without near ones of less than twice
+// the fourth.
+constexpr int kFusionCellPx = 24, kFineCellPx = 12, kNarrowPx = 2, kSmallPx = 3;
 constexpr int kSilhouettePx = 4;  // by so much the sweep's windows may widen a near surface, and the cut a little more
 
 }  // namespace ldp::pipeline

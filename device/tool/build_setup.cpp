@@ -63,7 +63,9 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
   command.add_option("--labels", build.labels, "Depth labels of the graph cut")
       ->check(CLI::Range(2, 16))
       ->capture_default_str();
-  command.add_option("--iterations", build.iterations, "Rounds; from the second on with visibility")
+  command
+      .add_option("--iterations", build.iterations,
+                  "Rounds; from the second on with visibility, and the photos choose between the last two")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
   command

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stop_token>
 
+#include "core/layers/map_painter.h"
+#include "core/layers/photo_consistency.h"
 #include "tests/unit/simple_capture.h"
 
 namespace ldp {
@@ -100,6 +102,15 @@ TEST(WithoutSilhouettes, TakesTheFarthestWithinReachAndKeepsBroadSurfaces) {
       const bool inside = x >= 13 && x < 17 && y >= 8 && y < 12;
       ASSERT_EQ(sure.at(x, y), inside ? 3000 : 100) << x << ", " << y;
     }
+}
+
+TEST(Widened, TakesTheNearestWithinReach) {
+  DisparityMap map(30, 20, 100);
+  map.at(10, 5) = 3000;
+  const DisparityMap wide = widened(map, 2);
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 30; ++x)
+      ASSERT_EQ(wide.at(x, y), std::abs(x - 10) <= 2 && std::abs(y - 5) <= 2 ? 3000 : 100) << x << ", " << y;
 }
 
 TEST(WantedBehind, NothingBehindOneSurface) {
@@ -214,8 +225,10 @@ TEST(BoundaryCosts, HoldTheBackgroundAndLeaveTheRest) {
 }
 
 }  // namespace
-// What cameras see of square_before_the_sky: two patterns, or `plain`.
-std::vector<UprightFrame> photographs_of_the_square(const PanoramaGrid& grid, bool plain) {
+enum class Plain { nothing, square, all };
+
+// What cameras see of square_before_the_sky: two patterns, or one or none.
+std::vector<UprightFrame> photographs_of_the_square(const PanoramaGrid& grid, Plain plain) {
   const DisparityMap truth = square_before_the_sky(grid);
   const auto column = [&](double theta) { return (grid.theta_left - theta) / grid.theta_pitch; };
   const auto row = [&](double v) { return (grid.v_top - v) / grid.v_pitch; };
@@ -228,7 +241,7 @@ std::vector<UprightFrame> photographs_of_the_square(const PanoramaGrid& grid, bo
     const double x = column(std::atan2(p.y(), p.x())), y = row(p.z() / depth);
     if (truth.contains(static_cast<int>(x), static_cast<int>(y)) &&
         truth.at(static_cast<int>(x), static_cast<int>(y)) == kNearSteps)
-      return 120 + 50 * std::sin(1.1 * x) + 50 * std::cos(0.9 * y);
+      return plain == Plain::square ? 120 : 120 + 50 * std::sin(1.1 * x) + 50 * std::cos(0.9 * y);
     const double far_x = column(std::atan2(direction.y(), direction.x())), far_y = row(direction.z() / std::sqrt(a));
     return 130 + 60 * std::sin(0.8 * far_x + 0.5 * far_y) + 50 * std::cos(0.6 * far_y - 1.3 * far_x);
   };
@@ -240,7 +253,7 @@ std::vector<UprightFrame> photographs_of_the_square(const PanoramaGrid& grid, bo
       for (int x = 0; x < camera.intrinsics.width; ++x) {
         const Eigen::Vector3d ray = camera.pose.world_from_camera * unproject(camera.intrinsics, {x + 0.5, y + 0.5});
         frames.back().columns.at(y, x) =
-            plain ? uint8_t{90} : static_cast<uint8_t>(std::lround(grey(camera.pose.centre, ray)));
+            plain == Plain::all ? uint8_t{90} : static_cast<uint8_t>(std::lround(grey(camera.pose.centre, ray)));
       }
   }
   return frames;
@@ -264,7 +277,7 @@ TEST(FitOutlines, AreCloseToTheTruthHoweverWideTheWindowsMadeTheSurface) {
   const PanoramaGrid grid = simple_grid(0.5);
   for (const int by_px : {0, 2, 5, 8}) {
     DisparityMap map = fattened_square(grid, by_px);
-    fit_outlines(grid, photographs_of_the_square(grid, false), {}, map);
+    fit_outlines(grid, photographs_of_the_square(grid, Plain::nothing), {}, map);
     constexpr int kClosePx = 2;
     int wrong = 0;
     for (int y = 0; y < grid.height; ++y)
@@ -281,7 +294,7 @@ TEST(FitOutlines, LeaveASurfaceWithoutTextureAsItIs) {
   const PanoramaGrid grid = simple_grid(0.5);
   const DisparityMap before = fattened_square(grid, 5);
   DisparityMap map = before;
-  fit_outlines(grid, photographs_of_the_square(grid, true), {}, map);
+  fit_outlines(grid, photographs_of_the_square(grid, Plain::all), {}, map);
   EXPECT_LE(differing(map, before), 4);  // corners are rounded
 }
 
@@ -290,17 +303,17 @@ TEST(FitOutlines, LeaveAbsentPixelsAndWhatOneCameraSees) {
   DisparityMap absent(grid.width, grid.height, kNoDisparity);
   absent.at(50, 30) = 0;
   const DisparityMap before = absent;
-  fit_outlines(grid, photographs_of_the_square(grid, false), {}, absent);
+  fit_outlines(grid, photographs_of_the_square(grid, Plain::nothing), {}, absent);
   EXPECT_EQ(absent, before);
   DisparityMap map = fattened_square(grid, 5);
   const DisparityMap fat = map;
-  fit_outlines(grid, {photographs_of_the_square(grid, false)[2]}, {}, map);
+  fit_outlines(grid, {photographs_of_the_square(grid, Plain::nothing)[2]}, {}, map);
   EXPECT_EQ(map, fat);
 }
 
 TEST(FitOutlines, AreTheSameAtAnyThreadCountAndStopWhenAsked) {
   const PanoramaGrid grid = simple_grid(0.5);
-  const std::vector<UprightFrame> frames = photographs_of_the_square(grid, false);
+  const std::vector<UprightFrame> frames = photographs_of_the_square(grid, Plain::nothing);
   DisparityMap one = fattened_square(grid, 5), many = one;
   Job job;
   fit_outlines(grid, frames, job, one);
@@ -311,6 +324,149 @@ TEST(FitOutlines, AreTheSameAtAnyThreadCountAndStopWhenAsked) {
   source.request_stop();
   job.stop = source.get_token();
   EXPECT_THROW(fit_outlines(grid, frames, job, many), Cancelled);
+}
+
+// What stands in the right half of the panorama alone.
+DisparityMap halves(const DisparityMap& left, const DisparityMap& right) {
+  DisparityMap map = left;
+  for (int y = 0; y < map.height; ++y)
+    for (int x = map.width / 2; x < map.width; ++x) map.at(x, y) = right.at(x, y);
+  return map;
+}
+
+DisparityMap fused(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, DisparityMap layer,
+                   const DisparityMap& proposal, const Job& job = {}, int cell_px = 10) {
+  fuse_proposal(grid, frames, proposal, cell_px, job, layer);
+  return layer;
+}
+
+// Nothing where the square is, another one beside it, and one that is too wide.
+std::vector<DisparityMap> wrong_maps(const PanoramaGrid& grid) {
+  DisparityMap beside = square_before_the_sky(grid);
+  for (int y = 22; y < 34; ++y)
+    for (int x = 25; x < 37; ++x) beside.at(x, y) = kNearSteps;
+  return {DisparityMap(grid.width, grid.height, 0), beside, fattened_square(grid, 4)};
+}
+
+TEST(FuseProposal, TakesWhatThePhotographsAgreeOnAndLeavesWhatTheyContradict) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const auto frames = photographs_of_the_square(grid, Plain::nothing);
+  const DisparityMap truth = square_before_the_sky(grid);
+  for (const DisparityMap& wrong : wrong_maps(grid)) {
+    EXPECT_EQ(fused(grid, frames, wrong, truth), truth);
+    EXPECT_EQ(fused(grid, frames, truth, wrong), truth);
+  }
+}
+
+TEST(FuseProposal, DecidesPlaceByPlace) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const auto frames = photographs_of_the_square(grid, Plain::nothing);
+  const DisparityMap truth = square_before_the_sky(grid), wrong = DisparityMap(grid.width, grid.height, 0);
+  EXPECT_EQ(fused(grid, frames, halves(truth, wrong), halves(wrong, truth)), truth);
+}
+
+// Of the surfaces that are there; asked of what hides a place, too, cameras would contradict 306 pixels.
+TEST(PhotoConsistency, NoCameraContradictsTheTruth) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const auto frames = photographs_of_the_square(grid, Plain::nothing);
+  const DisparityMap truth = square_before_the_sky(grid);
+  const auto maps = visibility(grid, {&truth}, frames, {}, {});
+  const layers::PhotoConsistency photos(grid, frames);
+  int seen = 0, contradicted = 0;
+  for (int x = 0; x < 140; ++x)
+    for (int y = 0; y < 80; ++y) {
+      if (maps[2].inverse_z.at(y, x) == 0) continue;
+      ++seen;
+      contradicted += photos.difference(2, x, y, maps) > 16 * 4;
+    }
+  EXPECT_GT(seen, 4000);
+  EXPECT_LT(contradicted, 60);
+}
+
+TEST(MapPainter, NamesThePixelThatIsSeenAndNotThoseBehindIt) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const layers::Brush brush(grid, square_before_the_sky(grid));
+  Plane<uint16_t> names(grid.height, grid.width);
+  for (int x = 0; x < grid.width; ++x) std::fill_n(names.row(x), grid.height, static_cast<uint16_t>(x));
+  const UprightFrame frame = upright_of(camera_at(-0.25), 0);
+  Plane<uint16_t> seen(frame.camera.height, frame.camera.width, 0);
+  VisibilityMap map = layers::empty_map(grid, frame.camera, {});
+  const layers::Names named{names, seen};
+  layers::MapPainter painter(brush, frame.camera, {}, map, &named);
+  for (int x = grid.width - 1; x >= 0; --x) painter.paint(x);
+  int near = 0;
+  for (int column = 0; column < frame.camera.width; ++column)
+    for (int row = 0; row < frame.camera.height; ++row) {
+      const bool square = map.inverse_z.row(column)[row] * map.scale > 0.2;
+      const int name = seen.row(column)[row];
+      near += square;
+      if (square) {
+        ASSERT_TRUE(name >= kFirst && name < kEnd) << column << ", " << row;
+      }
+    }
+  EXPECT_GT(near, 100);
+}
+
+DisparityMap without_columns(DisparityMap map, int begin, int end) {
+  for (int y = 0; y < map.height; ++y)
+    for (int x = begin; x < end; ++x) map.at(x, y) = 0;
+  return map;
+}
+
+// Beside it the cameras to one side see more of the same square: they agree about the sky behind it by chance.
+TEST(FuseProposal, AsksNoCameraThatSeesSomethingElseThere) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const auto frames = photographs_of_the_square(grid, Plain::square);
+  const DisparityMap truth = square_before_the_sky(grid);
+  for (const DisparityMap& eaten :
+       {without_columns(truth, kFirst, kFirst + 2), without_columns(truth, kEnd - 2, kEnd)}) {
+    EXPECT_EQ(fused(grid, frames, truth, eaten), truth);
+    EXPECT_EQ(fused(grid, frames, eaten, truth), truth);
+  }
+}
+
+TEST(FuseProposal, DecidesOnWhatIsNearerAndWhatIsFartherApart) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const auto frames = photographs_of_the_square(grid, Plain::nothing);
+  const DisparityMap truth = square_before_the_sky(grid);
+  const DisparityMap layer = without_columns(truth, kFirst, kFirst + 3),
+                     proposal = without_columns(truth, kEnd - 5, kEnd);
+  EXPECT_EQ(fused(grid, frames, layer, proposal, {}, 100), truth);
+}
+
+TEST(FuseProposal, LeavesWhatPhotographsCannotTell) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap layer = square_before_the_sky(grid);
+  EXPECT_EQ(fused(grid, photographs_of_the_square(grid, Plain::all), layer, fattened_square(grid, 1)), layer);
+  EXPECT_EQ(fused(grid, {photographs_of_the_square(grid, Plain::nothing)[2]}, layer, fattened_square(grid, 4)), layer);
+}
+
+TEST(FuseProposal, LeavesAbsentPixelsAndWhatIsOneSurface) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const auto frames = photographs_of_the_square(grid, Plain::nothing);
+  const DisparityMap truth = square_before_the_sky(grid);
+  DisparityMap absent = truth, finer = truth;
+  absent.at(50, 30) = kNoDisparity;
+  for (uint16_t& d : finer.samples) d = static_cast<uint16_t>(d == 0 ? 1 : d);
+  EXPECT_EQ(fused(grid, frames, absent, truth), absent);
+  EXPECT_EQ(fused(grid, frames, truth, absent), truth);
+  EXPECT_EQ(fused(grid, frames, finer, truth), finer);
+}
+
+TEST(FuseProposal, IsTheSameAtAnyThreadCountAndInAnyOrderOfCamerasAndStopsWhenAsked) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  auto frames = photographs_of_the_square(grid, Plain::nothing);
+  const DisparityMap truth = square_before_the_sky(grid), wrong = wrong_maps(grid)[1];
+  Job job;
+  const DisparityMap one = fused(grid, frames, wrong, truth);
+  job.threads = 4;
+  EXPECT_EQ(fused(grid, frames, wrong, truth, job), one);
+  std::reverse(frames.begin(), frames.end());
+  EXPECT_EQ(fused(grid, frames, wrong, truth, job), one);
+  std::stop_source source;
+  source.request_stop();
+  job.stop = source.get_token();
+  EXPECT_THROW(fused(grid, frames, wrong, truth, job), Cancelled);
 }
 
 TEST(DropSpecks, RemovesPartsOfFewerPixelsAndNoOthers) {

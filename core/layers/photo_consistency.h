@@ -1,0 +1,42 @@
+// How well the cameras beside one confirm the surface that it sees.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/geometry.h"
+#include "core/geometry/visibility_map.h"
+#include "core/photos/upright_frame.h"
+
+namespace ldp::layers {
+
+// Asks of every camera's pixel the cameras next to it that see the same surface, what hides it from them taken into
+// account. Frames must outlive it.
+class PhotoConsistency {
+ public:
+  PhotoConsistency(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames);
+
+  // The cameras that are asked about what camera k sees.
+  std::vector<size_t> witnesses(size_t k) const;
+
+  // Mean difference [1/kDifferenceSteps grey levels] of camera k's pixel (x, y), where it sees the surface of
+  // maps[k], from the cameras that see it there too; what half a pixel may change is none. kUnknownDifference where no
+  // other does, or no surface is.
+  // Maps of other cameras than k and its witnesses may be empty.
+  int difference(size_t k, int x, int y, const std::vector<VisibilityMap>& maps) const;
+
+ private:
+  // From one upright camera's axes to another's; both stand upright on the arc's plane.
+  struct Witness {
+    size_t frame;
+    double right_of_right, right_of_forward, forward_of_right, forward_of_forward;
+    double step_right, step_down, step_forward;  // from the other's centre to this one's, in the other's axes
+    Witness(size_t frame, const UprightCamera& from, const UprightCamera& to, const Eigen::Vector3d& down);
+  };
+
+  const std::vector<UprightFrame>& frames_;
+  std::vector<std::vector<Witness>> witnesses_;  // of each frame, nearest first
+};
+
+}  // namespace ldp::layers
