@@ -20,7 +20,7 @@ import browser
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 VIEWS = 10
-LEAST_PSNR_DB = 38.0
+LEAST_PSNR_DB = 48.0  # 51.6 today; 38 is what a person does not see
 MOST_VIEWER_BYTES = 60_000  # of a page beside 1.4 times its .ldp
 LOAD_S = 60
 REDUCED_MOTION = ["--force-prefers-reduced-motion"]

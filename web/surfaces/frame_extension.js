@@ -27,41 +27,57 @@ class Frames {
   constructor(head, cameras) {
     this.head = head;
     this.rayRadius = head.rays === 'pushbroom' ? head.radius : 0;
-    this.cameras = cameras.map((camera) => inArcAxes(camera, head));
+    this.cameras = cameras.map((camera) => photoInArcAxes(camera, head));
+    const theta = (_, x) => head.thetaLeft - (x + 0.5) * head.thetaPitch;
+    const thetas = Float64Array.from({ length: head.width + 1 }, theta);
+    this.cosines = thetas.map(Math.cos);
+    this.sines = thetas.map(Math.sin);
+    this.last = 0;
   }
 
-  /** Whether at least `least` could show row `row` of column x (both may be outside) at inverse depth w > 0. */
+  /** Whether at least `least` could show row `row` (it may be outside) of column x at inverse depth w > 0. */
   showing(x, row, w, least) {
-    const { thetaLeft, thetaPitch, vTop, vPitch } = this.head;
-    const theta = thetaLeft - (x + 0.5) * thetaPitch;
     const out = this.rayRadius + 1 / w;
-    const [px, py, pz] = [out * Math.cos(theta), out * Math.sin(theta), (vTop - (row + 0.5) * vPitch) / w];
-    for (const camera of this.cameras) if (isInside(camera, px, py, pz) && --least === 0) return true;
-    return false;
+    const px = out * this.cosines[x];
+    const py = out * this.sines[x];
+    const pz = (this.head.vTop - (row + 0.5) * this.head.vPitch) / w;
+    // The one that showed the last place is likely to show this one.
+    if (least === 1 && isInside(this.cameras[this.last], px, py, pz)) return true;
+    let found = 0;
+    for (let i = 0; i < this.cameras.length && found < least; i++) {
+      if (!isInside(this.cameras[i], px, py, pz)) continue;
+      this.last = i;
+      found++;
+    }
+    return found === least;
   }
 }
 
 /** The camera with its centre and its axes (rows right, down, forward) in the arc's axes. */
-function inArcAxes(camera, { axes, centre }) {
-  const [r, c] = [camera.rotation, camera.centre];
+function photoInArcAxes(camera, { axes, centre }) {
+  const { rotation, centre: c, distortion: [k1, k2, p1, p2] } = camera;
   const column = (m, k) => [m[k], m[3 + k], m[6 + k]];
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const away = [c[0] - centre[0], c[1] - centre[1], c[2] - centre[2]];
-  return { ...camera, at: [0, 1, 2].map((k) => dot(away, column(axes, k))),
-           rows: [0, 1, 2].map((i) => [0, 1, 2].map((k) => dot(column(r, i), column(axes, k)))) };
+  const [x, y, z] = [0, 1, 2].map((k) => dot(away, column(axes, k)));
+  const [right, down, forward] = [0, 1, 2].map((i) => [0, 1, 2].map((k) => dot(column(rotation, i), column(axes, k))));
+  return { ...camera, x, y, z, right, down, forward, k1, k2, p1, p2 };
 }
 
-function isInside({ rows, at, fx, fy, cx, cy, width, height, distortion: [k1, k2, p1, p2] }, px, py, pz) {
-  const [dx, dy, dz] = [px - at[0], py - at[1], pz - at[2]];
-  const z = rows[2][0] * dx + rows[2][1] * dy + rows[2][2] * dz;
+function isInside(camera, px, py, pz) {
+  const { right, down, forward, k1, k2, p1, p2 } = camera;
+  const dx = px - camera.x;
+  const dy = py - camera.y;
+  const dz = pz - camera.z;
+  const z = forward[0] * dx + forward[1] * dy + forward[2] * dz;
   if (z <= 0) return false;
-  const x = (rows[0][0] * dx + rows[0][1] * dy + rows[0][2] * dz) / z;
-  const y = (rows[1][0] * dx + rows[1][1] * dy + rows[1][2] * dz) / z;
+  const x = (right[0] * dx + right[1] * dy + right[2] * dz) / z;
+  const y = (down[0] * dx + down[1] * dy + down[2] * dz) / z;
   const r2 = x * x + y * y;
   const radial = 1 + r2 * (k1 + r2 * k2);
-  const u = fx * (x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)) + cx;
-  const v = fy * (y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y) + cy;
-  return u >= INSIDE_PX && v >= INSIDE_PX && u <= width - INSIDE_PX && v <= height - INSIDE_PX;
+  const u = camera.fx * (x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)) + camera.cx;
+  const v = camera.fy * (y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y) + camera.cy;
+  return u >= INSIDE_PX && v >= INSIDE_PX && u <= camera.width - INSIDE_PX && v <= camera.height - INSIDE_PX;
 }
 
 /**
@@ -82,19 +98,18 @@ class ColumnEnd {
   }
 
   extended() {
-    for (let x = 0; x < this.front.columns; x++) this.extendColumn(x);
+    for (let y = 0; y < this.head.height; y++)
+      for (let x = 0; x < this.front.columns; x++) if (this.ends(x, y)) this.addPiece(x, y);
+    this.pieces.sort((a, b) => a.x - b.x || a.from - b.from);
     this.dropUnwitnessed();
     return this.layer();
   }
 
   w(x, y) { return this.front.w[y * this.front.columns + x]; }
 
-  extendColumn(x) {
-    for (let y = 0; y < this.head.height; y++) {
-      if (!this.ends(x, y)) continue;
-      const rows = this.rowsBeyond(x, y);
-      if (rows > 0) this.pieces.push({ x, from: y, rows, witnessed: this.witnessed(x, y) });
-    }
+  addPiece(x, y) {
+    const rows = this.rowsBeyond(x, y);
+    if (rows > 0) this.pieces.push({ x, from: y, rows, witnessed: this.witnessed(x, y) });
   }
 
   ends(x, y) {

@@ -19,10 +19,14 @@ export function makeUnderlay(layers, depths, wraps) {
 function deepestOf(layers) {
   const deepest = { ...layers[0] };
   for (const plane of PLANES) deepest[plane] = deepest[plane].slice();
+  const { w, colour, code, step } = deepest;
   for (const layer of layers.slice(1))
-    for (let i = 0; i < deepest.w.length; i++) {
-      if (layer.w[i] < 0 || (deepest.w[i] >= 0 && layer.w[i] >= deepest.w[i])) continue;
-      for (const plane of PLANES) deepest[plane][i] = layer[plane][i];
+    for (let i = 0; i < w.length; i++) {
+      if (layer.w[i] < 0 || (w[i] >= 0 && layer.w[i] >= w[i])) continue;
+      w[i] = layer.w[i];
+      colour[i] = layer.colour[i];
+      code[i] = layer.code[i];
+      step[i] = layer.step[i];
     }
   return deepest;
 }
@@ -33,7 +37,6 @@ class Grower {
     this.columns = wraps ? deepest.columns - 1 : deepest.columns; // without the repeated one
     this.grown = new Uint8Array(deepest.w.length);
     this.askedIn = new Uint8Array(deepest.w.length);
-    this.around = new Uint32Array(4);
   }
 
   grow() {
@@ -67,22 +70,21 @@ class Grower {
     const { columns, rows } = this.deepest;
     const steps = [];
     for (let y = 0; y < rows; y++)
-      for (let x = 0, i = y * columns; x < this.columns; x++, i++) this.addStep(i, x, y, steps);
+      for (let x = 0, i = y * columns; x < this.columns; x++, i++) this.addStep(i, x, steps);
     return steps;
   }
 
   /** The same of what changed and its neighbours, each asked once: nowhere else is there anything new. */
   stepsAround(before, round) {
-    const { columns } = this.deepest;
     const steps = [];
-    const neighbours = new Uint32Array(5);
     for (let k = 0; k < before.length; k += 2) {
       const own = before[k];
-      const x = own % columns;
-      const count = this.findNeighbours(own, x, (own - x) / columns);
-      neighbours[0] = own;
-      for (let n = 0; n < count; n++) neighbours[n + 1] = this.around[n];
-      for (let n = 0; n <= count; n++) this.ask(neighbours[n], round, steps);
+      const x = own % this.deepest.columns;
+      this.ask(own, round, steps);
+      this.ask(this.left(own, x), round, steps);
+      this.ask(this.right(own, x), round, steps);
+      this.ask(this.above(own), round, steps);
+      this.ask(this.below(own), round, steps);
     }
     return steps;
   }
@@ -90,32 +92,29 @@ class Grower {
   ask(pixel, round, steps) {
     if (this.askedIn[pixel] === round) return;
     this.askedIn[pixel] = round;
-    const x = pixel % this.deepest.columns;
-    this.addStep(pixel, x, (pixel - x) / this.deepest.columns, steps);
+    this.addStep(pixel, pixel % this.deepest.columns, steps);
   }
 
-  addStep(own, x, y, steps) {
-    const { w } = this.deepest;
-    const count = this.findNeighbours(own, x, y);
-    let best = own;
-    for (let k = 0; k < count; k++) {
-      const n = this.around[k];
-      if (w[n] >= 0 && w[n] < w[best] && !sameSurface(this.deepest, this.depths, own, n)) best = n;
-    }
+  addStep(own, x, steps) {
+    let best = this.deeper(own, own, this.left(own, x));
+    best = this.deeper(own, best, this.right(own, x));
+    best = this.deeper(own, best, this.above(own));
+    best = this.deeper(own, best, this.below(own));
     if (best !== own) steps.push(own, best);
   }
 
-  /** Into `around`: left, right, above, below. */
-  findNeighbours(pixel, x, y) {
-    const { columns, rows } = this.deepest;
-    const [around, last] = [this.around, this.columns - 1];
-    let count = 0;
-    if (x > 0) around[count++] = pixel - 1;
-    else if (this.wraps) around[count++] = pixel + last;
-    if (this.wraps && x >= last) around[count++] = pixel + 1 - this.columns;
-    else if (x + 1 < columns) around[count++] = pixel + 1;
-    if (y > 0) around[count++] = pixel - columns;
-    if (y + 1 < rows) around[count++] = pixel + columns;
-    return count;
+  /** Neighbour n, if it is of a surface that lies deeper than the best one so far. */
+  deeper(own, best, n) {
+    const { w } = this.deepest;
+    return w[n] >= 0 && w[n] < w[best] && !sameSurface(this.deepest, this.depths, own, n) ? n : best;
   }
+
+  // Neighbours of pixel i, in column x; i itself where there is none.
+  left(i, x) { return x > 0 ? i - 1 : this.wraps ? i + this.columns - 1 : i; }
+  right(i, x) {
+    if (this.wraps && x >= this.columns - 1) return i - x + ((x + 1) % this.columns);
+    return x + 1 < this.deepest.columns ? i + 1 : i;
+  }
+  above(i) { return i >= this.deepest.columns ? i - this.deepest.columns : i; }
+  below(i) { return i + this.deepest.columns < this.deepest.w.length ? i + this.deepest.columns : i; }
 }

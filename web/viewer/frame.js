@@ -16,7 +16,7 @@ button:hover, button:focus-visible { background: rgba(0, 0, 0, .8) }
 
 const BODY = `
 <canvas tabindex="0" role="application" part="canvas" aria-label="Panorama with depth. Arrow keys turn, W A S D Q E move, plus and minus zoom, Home returns, F full screen, I information."></canvas>
-<div class="hint" aria-hidden="true">drag to look around &middot; pinch or wheel to zoom &middot; two fingers or shift-drag to move</div>
+<div class="hint" aria-hidden="true"></div>
 <div class="progress" role="progressbar" aria-label="loading" aria-valuemin="0" aria-valuemax="100" hidden></div>
 <div class="message" role="alert" hidden></div>
 <div class="panel" role="dialog" aria-label="about this panorama" hidden></div>
@@ -26,6 +26,10 @@ const BODY = `
 <button class="full" type="button" aria-label="full screen"><svg width="16" height="16" viewBox="0 0 16 16" fill="none" stroke="currentColor" stroke-width="2" aria-hidden="true"><path d="M1 5V1h4M11 1h4v4M15 11v4h-4M5 15H1v-4"/></svg></button>
 </div>`;
 
+const HINTS = {
+  fingers: 'drag to look around \u00b7 pinch to zoom \u00b7 two fingers to move',
+  mouse: 'drag to look around \u00b7 wheel to zoom \u00b7 shift-drag to move',
+};
 const GRADE_WORDS = { good: 'Good', fair: 'Fair', sweep_again: 'Sweep again' };
 
 /** The viewer's own page: canvas, buttons, progress, messages. */
@@ -36,6 +40,7 @@ export class Frame {
     const part = (name) => root.querySelector(name);
     this.canvas = part('canvas');
     this.hint = part('.hint');
+    this.hint.textContent = HINTS[matchMedia('(pointer: coarse)').matches ? 'fingers' : 'mouse'];
     this.bar = part('.progress');
     this.message = part('.message');
     this.panel = part('.panel');
