@@ -1,6 +1,6 @@
 /**
  * <layered-panorama src="room.ldp"></layered-panorama>
- * Events: `load` when everything is there; `error`, a CustomEvent<string> with words, when it cannot be shown.
+ * Events: `preview` when there is something to see, then more of it; `load` when everything is there; `error`, a CustomEvent<string> with words, when it cannot be shown.
  */
 export class LayeredPanorama extends HTMLElement {
   /** The whole file, instead of `src`. */

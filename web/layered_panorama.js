@@ -13,7 +13,8 @@ const LONGEST_STEP = 0.1; // seconds that one frame moves things on at most
  * <layered-panorama src="room.ldp"></layered-panorama>: shows a panorama with parallax.
  *
  * Attributes: src, an address of an .ldp file. Instead of it, `element.file = ArrayBuffer`.
- * Events: `load` when everything is there, `error` (detail: words) when it cannot be shown.
+ * Events: `preview` when there is something to see, then more of it; `load` when everything is there; `error` (detail:
+ * words) when it cannot be shown.
  */
 export class LayeredPanorama extends HTMLElement {
   static observedAttributes = ['src'];
@@ -112,14 +113,16 @@ export class LayeredPanorama extends HTMLElement {
   }
 
   /** @param {import('./viewer/preparation.js').PreparationMessage} message */
-  hear({ opened, progress, number, strip, seen, done, failed }) {
+  hear({ opened, progress, number, strip, removed, seen, done, failed }) {
     try {
       if (opened) this.open(opened);
       if (progress !== undefined) this.frame.showProgress(progress);
-      if (strip) this.scene.addStrip(number, strip);
+      if (strip) this.scene?.addStrip(number, strip);
+      if (removed !== undefined) this.scene?.removeStrip(removed);
       if (done) this.finish();
       if (failed) this.fail(failed);
       if (seen || done) this.changed();
+      if (seen) this.dispatchEvent(new Event('preview'));
     } catch (error) {
       this.fail(error.message);
     }

@@ -118,6 +118,19 @@ class ViewerCheck(unittest.TestCase):
                     Image.fromarray(shown).save(self.room.folder / ("limit_%d_%d_%d.png" % (yaw, out, up)))
                     self.assertEqual(int(numpy.sum(shown.max(axis=2) < 4)), 0, (yaw, out, up))
 
+    def test_something_is_seen_before_everything_is_there(self):
+        self.page.run(f"""const v = {VIEWER}, began = performance.now(); window.times = {{}};
+          v.addEventListener('preview', () => {{ times.strips ??= v.scene.surfaces.strips.size; times.preview ??= performance.now() - began; }});
+          v.addEventListener('load', () => {{ times.load = performance.now() - began; }});
+          v.file = v.bytes;""")
+        self.page.wait_until("return times.load", LOAD_S)
+        times = self.page.run("return times")
+        print("something after %.2f s, everything after %.2f s" % (times["preview"] / 1000, times["load"] / 1000))
+        self.assertEqual(times["strips"], 1, "the small picture alone")
+        self.assertLess(times["preview"], times["load"])
+        self.assertGreater(self.page.run(f"return {VIEWER}.scene.surfaces.strips.size"), 1)
+        self.assertFalse(self.page.run(f"return {VIEWER}.scene.surfaces.strips.has(-1)"), "and gone in the end")
+
     def test_hands_turn_move_and_zoom(self):
         before = self.state("yaw")
         drag = [{"type": "pointerMove", "x": 300, "y": 200}, {"type": "pointerDown", "button": 0},

@@ -10,8 +10,9 @@ const FLATNESS_PX = 0.4; // parallax over one arc radius by which a cell may lea
  * @property {ArrayBuffer} vertices
  * @property {Uint32Array} triangles three indices each
  * @property {number} top the panorama's row of row 0
- * @property {{x: number, y: number, width: number, height: number, data: Uint8Array}} texture RGBA of the pixels x, y
- *   and so on (x from the strip's x0, y from the layer's top); a pixel's colour belongs at its centre
+ * @property {{x: number, y: number, width: number, height: number, scale?: number, data: Uint8Array}} texture RGBA of the
+ *   pixels x, y and so on (x from the strip's x0, y from the layer's top); a pixel's colour belongs at its centre; scale:
+ *   of how many pixels each is, along either axis
  * @property {{wMin: number, wMax: number, top: number, bottom: number}} bounds
  */
 

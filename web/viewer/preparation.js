@@ -1,9 +1,14 @@
 import { decodeImageInBrowser } from '../reader/browser_images.js';
+import { imageSize } from '../reader/image_size.js';
 import { LdpReader } from '../reader/ldp_reader.js';
 import { verdictOf } from '../reader/verdict.js';
 import { MeshBuilder } from '../surfaces/mesh.js';
+import { stripOfThumbnail } from '../surfaces/thumbnail.js';
 
 const MOST_SHOWN_PIXELS = 2 ** 25; // of a layer: what the memory of a phone holds several of
+
+const THUMBNAIL = -1; // the number of its strip
+const MOST_THUMBNAIL_PX = 480; // a side
 
 /**
  * What a preparation tells, in this order:
@@ -11,12 +16,14 @@ const MOST_SHOWN_PIXELS = 2 ** 25; // of a layer: what the memory of a phone hol
  *   {progress: 0 .. 1}                            again and again
  *   {number, strip}                               a strip to draw; one that comes again takes the earlier one's place
  *   {seen: true}                                  the strips so far make a picture
+ *   {removed: number}                             a strip that is not to be drawn any more
  *   {done: true} or {failed: message}
  * @typedef {object} PreparationMessage
  */
 
 /**
- * Reads a file and makes its mesh: first of the front layer alone, so that something is seen soon, then of all.
+ * Reads a file and makes its mesh: first of its small picture, then of the front layer alone, so that something is seen
+ * soon, then of all.
  * @param {ArrayBuffer} file
  * @param {(message: PreparationMessage, transferred?: ArrayBuffer[]) => void} tell
  */
@@ -25,6 +32,7 @@ export async function prepare(file, tell) {
     const reader = new LdpReader(file, { mostPixels: MOST_SHOWN_PIXELS });
     tell({ opened: { head: reader.head, layers: reader.layers, verdict: verdictOf(reader.quality),
                      metadata: Object.fromEntries(reader.metadata) } });
+    await tellThumbnail(reader, tell);
     const builder = new MeshBuilder(reader.head, reader.cameras);
     const steps = reader.layers.length + 1;
     for (let layer = 0; layer < reader.layers.length; layer++) {
@@ -33,6 +41,7 @@ export async function prepare(file, tell) {
       builder.addLayer(planes, reader.layers[layer].blockPx > 0);
       if (layer > 0) continue;
       tellStrips(builder, tell, () => {});
+      tell({ removed: THUMBNAIL });
       tell({ seen: true });
     }
     builder.addMadeUp();
@@ -41,6 +50,16 @@ export async function prepare(file, tell) {
   } catch (error) {
     tell({ failed: error.message });
   }
+}
+
+/** A file without one, or with one that cannot be decoded, is shown all the same: a little later. */
+async function tellThumbnail({ head, thumbnail }, tell) {
+  const size = thumbnail && imageSize(thumbnail);
+  if (!size || Math.max(size.width, size.height) > MOST_THUMBNAIL_PX) return;
+  const image = await decodeImageInBrowser(thumbnail, size.type).catch(() => null);
+  if (!image) return;
+  tell({ number: THUMBNAIL, strip: stripOfThumbnail(head, image) });
+  tell({ seen: true });
 }
 
 function tellStrips(builder, tell, onProgress) {

@@ -17,6 +17,7 @@ export class Scene {
   }
 
   addStrip(number, strip) { this.surfaces.addStrip(number, strip); }
+  removeStrip(number) { this.surfaces.freeStrip(number); }
 
   /** Draws into the canvas, which takes the camera's size. @param {import('./surface_renderer.js').ViewCamera} camera */
   draw(camera) {

@@ -125,10 +125,10 @@ export class SurfaceRenderer {
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffers[1]);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STATIC_DRAW);
     gl.bindVertexArray(null);
-    const { x, y, width, height, data } = texture;
+    const { x, y, width, height, scale = 1, data } = texture;
     const colours = makeTexture(gl, { internal: gl.RGBA8, format: gl.RGBA, type: gl.UNSIGNED_BYTE, width, height,
                                       filter: gl.LINEAR, data });
-    return { array, buffers, colours, count: triangles.length, top, picture: [x, y, 1 / width, 1 / height] };
+    return { array, buffers, colours, count: triangles.length, top, picture: [x, y, 1 / (scale * width), 1 / (scale * height)] };
   }
 
   uploadTorn(vertices) {
