@@ -33,6 +33,7 @@ void add_pose_evidence(const Poses& poses, int photos_taken, SweepEvidence& evid
   evidence.doubt = doubtful(poses.report.doubt_kind);
   evidence.photos_taken = photos_taken;
   evidence.reprojection = poses.report.reprojection_px / poses.cameras.front().intrinsics.width;
+  evidence.agreement = poses.report.agreement;
   measure_flow(poses.points, poses.sightings, poses.cameras, evidence);
 }
 

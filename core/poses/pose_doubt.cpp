@@ -22,15 +22,24 @@ class Doubts {
     double least = kMinPairAgreement;
     const PairMatches* worst = nullptr;
     for (const PairMatches& pair : sweep_.pairs) {
-      if (!posed(pair.a) || !posed(pair.b) || pair.matches.size() < kMinDoubtMatches) continue;
-      if (pair.b - pair.a > kDoubtSequenceDistance) continue;
-      const double share =
-          inlier_ratio(sweep_, r_.bundle, pair, sweep_.pixels(kDoubtTolerance_px), r_.motion == Motion::rotation);
+      if (!neighbours(pair) || pair.matches.size() < kMinDoubtMatches) continue;
+      const double share = agreeing(pair);
       if (share < least) least = share, worst = &pair;
     }
     if (!worst) return {};
     return "only " + std::to_string(std::lround(100 * least)) + " % of what matches in " + both(worst->a, worst->b) +
            " agrees with their poses: something repeats itself or moves";
+  }
+
+  double agreement() const {
+    double agree = 0, all = 0;
+    for (const PairMatches& pair : sweep_.pairs) {
+      if (!neighbours(pair) || pair.matches.empty()) continue;
+      const auto matches = static_cast<double>(pair.matches.size());
+      agree += agreeing(pair) * matches;
+      all += matches;
+    }
+    return all > 0 ? agree / all : 1;
   }
 
   // The place of the sequence that the fewest points bridge.
@@ -102,6 +111,12 @@ class Doubts {
 
  private:
   bool posed(int frame) const { return !r_.left_out[static_cast<size_t>(frame)]; }
+  bool neighbours(const PairMatches& pair) const {
+    return posed(pair.a) && posed(pair.b) && pair.b - pair.a <= kDoubtSequenceDistance;
+  }
+  double agreeing(const PairMatches& pair) const {
+    return inlier_ratio(sweep_, r_.bundle, pair, sweep_.pixels(kDoubtTolerance_px), r_.motion == Motion::rotation);
+  }
   const Pose& camera(int frame) const { return r_.bundle.cameras[static_cast<size_t>(frame)]; }
   std::string both(int a, int b) const {
     return names_[static_cast<size_t>(a)] + " and " + names_[static_cast<size_t>(b)];
@@ -150,6 +165,11 @@ Doubt doubt(const MatchedSweep& sweep, const Reconstruction& reconstruction, con
     if (!one.text.empty()) return one;
   }
   return {};
+}
+
+double agreement(const MatchedSweep& sweep, const Reconstruction& reconstruction) {
+  const std::vector<std::string> no_names;
+  return Doubts(sweep, reconstruction, no_names).agreement();
 }
 
 }  // namespace ldp::sfm

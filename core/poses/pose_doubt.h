@@ -24,4 +24,8 @@ struct Doubt {
 Doubt doubt(const MatchedSweep& sweep, const Reconstruction& reconstruction, const std::vector<std::string>& names,
             bool focal_known);
 
+// The share of the verified matches of neighbouring photos, of all together, that agree with the poses; 1 without any.
+// What moves through many photos is matched there as well, and pulls the poses.
+double agreement(const MatchedSweep& sweep, const Reconstruction& reconstruction);
+
 }  // namespace ldp::sfm

@@ -265,6 +265,7 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
   const Doubt doubted = doubt(selected.sweep, found, names, focal.has_value());
   poses.report.doubt_kind = doubted.kind;
   poses.report.doubt = doubted.text;
+  poses.report.agreement = agreement(selected.sweep, found);
   job.report("poses", 1);
   return poses;
 }

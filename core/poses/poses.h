@@ -51,6 +51,8 @@ struct PosesReport {
   std::vector<FrameReport> frames;
   double reprojection_px = 0;  // root mean square over all inliers
   int points = 0;
+  double agreement =
+      1;  // share of the verified matches of neighbouring photos that fit the poses; 1 if cameras are told
   PoseDoubt doubt_kind = PoseDoubt::none;
   std::string doubt;  // the same in words, naming photos; empty when nothing says so
 };

@@ -54,6 +54,7 @@ struct SweepEvidence {
   int photos_taken = 0;               // posed or not
   double field_deg = 0;               // horizontal field of view
   double reprojection = 0;            // root mean square, in widths of the photograph
+  double agreement = 1;               // share of the matches of neighbouring photographs that fit the poses
   double first_deg = 0;               // where the first direction begins
   std::vector<PhotoEvidence> photos;  // posed ones
 };

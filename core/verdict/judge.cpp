@@ -144,6 +144,7 @@ class Judge {
     if (evidence_.doubt == DoubtfulPoses::lens) add_fair(QualityReason::lens_doubtful);
     if (evidence_.motion == SweepMotion::arc)
       add(QualityReason::poses_doubtful, motion.mismatch, options_.mismatch, begin(), end());
+    add(QualityReason::contradicted, 1 - evidence_.agreement, options_.disagreement, begin(), end());
     add(QualityReason::lens_doubtful, evidence_.reprojection, options_.reprojection, begin(), end());
     const auto posed = static_cast<double>(evidence_.photos.size());
     add(QualityReason::photos_left_out, 1 - posed / std::max(posed, static_cast<double>(evidence_.photos_taken)),

@@ -182,6 +182,8 @@ TEST(Judge, EveryFaultHasItsReason) {
             Reasons{QualityReason::moved_forward});
   EXPECT_EQ(of([](SweepEvidence& e) { e.motion = SweepMotion::straight; }), Reasons{QualityReason::moved_straight});
   EXPECT_EQ(of([](SweepEvidence& e) { e.reprojection = 0.002; }), Reasons{QualityReason::lens_doubtful});
+  EXPECT_EQ(of([](SweepEvidence& e) { e.agreement = 0.97; }), Reasons{QualityReason::contradicted});
+  EXPECT_EQ(of([](SweepEvidence& e) { e.agreement = 0.988; }), Reasons{});
   EXPECT_EQ(of([](SweepEvidence& e) { e.photos_taken = 22; }), Reasons{QualityReason::photos_left_out});
   EXPECT_EQ(of([](SweepEvidence& e) { e.photos[7].gain = 3; }), Reasons{QualityReason::exposure_jumps});
   EXPECT_EQ(of([](SweepEvidence& e) { e.doubt = DoubtfulPoses::contradicted; }),

@@ -63,6 +63,7 @@ Json poses_json(const PosesReport& poses) {
   json["posed"] = std::count_if(poses.frames.begin(), poses.frames.end(), [](const FrameReport& f) { return f.posed; });
   json["points"] = poses.points;
   json["reprojection_px"] = poses.reprojection_px;
+  json["agreement"] = poses.agreement;
   json["doubt"] = with_switches(poses.doubt);
   json["frames"] = Json::array();
   for (const FrameReport& frame : poses.frames) {

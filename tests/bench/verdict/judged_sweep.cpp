@@ -65,6 +65,7 @@ Json json_of(const SweepEvidence& evidence) {
             {"taken", evidence.photos_taken},
             {"field", evidence.field_deg},
             {"reprojection", evidence.reprojection},
+            {"agreement", evidence.agreement},
             {"first", evidence.first_deg}};
   json["photos"] = Json::array();
   for (const PhotoEvidence& photo : evidence.photos) json["photos"].push_back(json_of(photo));
@@ -78,6 +79,7 @@ SweepEvidence evidence_from(const Json& json) {
   evidence.photos_taken = json.at("taken");
   evidence.field_deg = json.at("field");
   evidence.reprojection = json.at("reprojection");
+  evidence.agreement = json.value("agreement", 1.0);
   evidence.first_deg = json.at("first");
   for (const Json& photo : json.at("photos")) evidence.photos.push_back(photo_from(photo));
   return evidence;
