@@ -16,6 +16,7 @@ struct ArcFit {
   Arc arc;
   std::vector<double> radial_residuals, height_residuals;  // per camera, capture's unit
   bool straight = false;                                   // the path did not bend enough to fix a radius
+  bool forward = false;  // nor does it go across the lines of sight: rays start in one point, radius 0
 };
 
 ArcFit fit_arc(const std::vector<Camera>& cameras);

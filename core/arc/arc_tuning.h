@@ -16,6 +16,8 @@ constexpr double kRadialSigma = 0.02;             // off the circle, shares of t
 constexpr double kTangentialSigma = 0.20;         // the same along it, against where the camera looks
 constexpr double kRoughest = 0.2;  // radii, 0 .. 1: radial residual up to which a path counts as going round
 constexpr double kStraightAngle_rad = 8 * kDegree;  // a path that bends less counts as straight
+constexpr double kForward =
+    0.5;  // cosine of the mean line of sight to a straight path's normal, 0 .. 1: walks have less
 // Path lengths, above 0.5; straight paths get it. The rays of a larger circle would run parallel, and what the cameras
 // at its ends see aside would lie far beyond the panorama's ends.
 constexpr double kLargestRadius = 1.5;

@@ -68,7 +68,7 @@ class Build {
     report_.arc = fit_arc(poses_.cameras);
     if (const std::string what = sideways(poses_.cameras); !what.empty()) report_.notes.push_back(what);
     watch_.lap("arc");
-    layout_ = std::make_unique<GridLayout>(poses_, report_.arc.arc, options_, report_.notes);
+    layout_ = std::make_unique<GridLayout>(poses_, report_.arc, options_, report_.notes);
     watch_.lap("arc");
     upright_ = rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc,
                        layout_->pitch_px(), job_);

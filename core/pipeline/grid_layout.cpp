@@ -28,24 +28,32 @@ std::string in_short(double value) {
 
 bool has_parallax(const Poses& poses) { return poses.report.motion != Motion::rotation; }
 
-GridLayout::GridLayout(const Poses& poses, const Arc& arc, const BuildOptions& options, std::vector<std::string>& notes)
-    : poses_(poses), arc_(arc), options_(options), notes_(notes) {
+GridLayout::GridLayout(const Poses& poses, const ArcFit& fit, const BuildOptions& options,
+                       std::vector<std::string>& notes)
+    : poses_(poses), arc_(fit.arc), options_(options), notes_(notes) {
   wanted_.rays = options.rays;
   wanted_.near_depth = options.near_depth;
   wanted_.far_depth = options.far_depth;
+  if (fit.forward) {
+    wanted_.pitch_px = kWalkPitch;
+    notes_.push_back(
+        "the camera moved along its line of sight: the panorama is laid round one point, in half the "
+        "photos' detail");
+  }
   lay_finest();
   check_range();
 }
 
 void GridLayout::lay_finest() {
+  const double finest = wanted_.pitch_px;
   while (!lay(wanted_)) {
-    if (wanted_.pitch_px > kCoarsest)
+    if (wanted_.pitch_px > kCoarsest * finest)
       throw Impossible("this sweep needs at least " + mebibytes(scratch_ ? needed_.least : needed_.all) +
                        " of memory, " + mebibytes(options_.memory_bytes) +
                        " are allowed (memory_bytes): allow more or use smaller photos");
     wanted_.pitch_px *= kCoarser;
   }
-  if (wanted_.pitch_px > 1)
+  if (wanted_.pitch_px > finest)
     notes_.push_back("to fit the memory allowed, a row of the panorama spans " +
                      std::to_string(wanted_.pitch_px).substr(0, 4) + " of the photos'");
 }

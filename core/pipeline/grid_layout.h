@@ -18,9 +18,9 @@ bool has_parallax(const Poses& poses);
 
 class GridLayout {
  public:
-  // All must outlive it; `notes` are told what was done to save memory. Throws Impossible where no grid fits, and
-  // std::invalid_argument where a depth that was asked for lies on the wrong side of the one that the photos tell.
-  GridLayout(const Poses& poses, const Arc& arc, const BuildOptions& options, std::vector<std::string>& notes);
+  // All must outlive it; `notes` are told what was done to save memory and time. Throws Impossible where no grid fits,
+  // and std::invalid_argument where a depth that was asked for lies on the wrong side of the one that the photos tell.
+  GridLayout(const Poses& poses, const ArcFit& fit, const BuildOptions& options, std::vector<std::string>& notes);
 
   const PanoramaGrid& grid() const { return grid_; }
   int columns_of_colour() const { return columns_of_colour_; }  // to each of the columns in which depths are found

@@ -125,6 +125,20 @@ TEST(FitArc, AStraightPathIsSaidToBeStraightAndGetsARadiusOfOneAndAHalfPathLengt
   EXPECT_GT(fit.arc.outward(0.5 * (fit.arc.theta_begin + fit.arc.theta_end)).y(), 0.99);
 }
 
+TEST(FitArc, APathAlongTheLineOfSightIsSeenFromItsRearEnd) {
+  std::vector<Camera> cameras;
+  for (int i = 0; i < 10; ++i) cameras.push_back(outward_camera({0.1 * i, 0, 1.6}, 2 * i - 9, 0));
+  const ArcFit fit = fit_arc(cameras);
+  EXPECT_TRUE(fit.forward);
+  EXPECT_EQ(fit.arc.radius, 0);
+  EXPECT_NEAR(fit.arc.centre.x(), 0, 0.02);
+  EXPECT_NEAR(fit.arc.theta_end - fit.arc.theta_begin, 18 * kDegree, 0.001);
+  EXPECT_GT(fit.arc.outward(0.5 * (fit.arc.theta_begin + fit.arc.theta_end)).x(), 0.99);
+  const PanoramaGrid grid = lay_grid(fit.arc, cameras, {}, {});
+  const double field = 2 * std::atan(400.0 / 700) + 18 * kDegree;
+  EXPECT_NEAR(grid.width * grid.theta_pitch, field, 0.05 * field) << "no more than is seen";
+}
+
 TEST(FitArc, CamerasThatOnlyTurnGetACircleOfRadiusZero) {
   Hand hand;
   hand.radius = 0;

@@ -39,19 +39,19 @@ Poses simple_poses() {
   return poses;
 }
 
-Arc simple_arc() {
-  Arc arc;
-  arc.radius = 1;
-  arc.theta_begin = -0.5, arc.theta_end = 0.5;
-  return arc;
+ArcFit simple_fit() {
+  ArcFit fit;
+  fit.arc.radius = 1;
+  fit.arc.theta_begin = -0.5, fit.arc.theta_end = 0.5;
+  return fit;
 }
 
 struct Laid {
   Poses poses = simple_poses();
-  Arc arc = simple_arc();
+  ArcFit fit = simple_fit();
   BuildOptions options;
   std::vector<std::string> notes;
-  GridLayout layout() { return {poses, arc, options, notes}; }
+  GridLayout layout() { return {poses, fit, options, notes}; }
 };
 
 std::string refusal(Laid& laid) {
@@ -72,6 +72,14 @@ TEST(GridLayout, IsTheFinestWhereMemoryIsEnough) {
   EXPECT_NEAR(layout.grid().theta_pitch, 1.0 / test::kFocal, 1e-12);
   EXPECT_GT(layout.grid().w_near, layout.grid().w_far);
   EXPECT_THAT(laid.notes, IsEmpty());
+}
+
+TEST(GridLayout, IsHalfAsFineWhereTheCameraWalkedForwardAndSaysSo) {
+  Laid laid;
+  laid.fit.forward = true;
+  EXPECT_EQ(laid.layout().pitch_px(), 2);
+  ASSERT_EQ(laid.notes.size(), 1U);
+  EXPECT_THAT(laid.notes[0], HasSubstr("moved along its line of sight"));
 }
 
 TEST(GridLayout, IsCoarserByAsLittleAsMemoryAsksForAndSaysSo) {
