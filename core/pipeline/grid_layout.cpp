@@ -37,8 +37,8 @@ GridLayout::GridLayout(const Poses& poses, const ArcFit& fit, const BuildOptions
   if (fit.forward) {
     wanted_.pitch_px = kWalkPitch;
     notes_.push_back(
-        "the camera moved along its line of sight: the panorama is laid round one point, in half the "
-        "photos' detail");
+        "the camera moved along its line of sight: the panorama is laid round one point, and a row of it spans " +
+        in_short(kWalkPitch) + " of the photos'");
   }
   lay_finest();
   check_range();

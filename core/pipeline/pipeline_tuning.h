@@ -6,7 +6,7 @@ namespace ldp::pipeline {
 constexpr double kCoarser = 1.05, kCoarsest = 3;  // steps of the panorama's pitch, and its limit, to save memory
 // Photos' rows to a row of the panorama where the camera walked along its line of sight, from 1: what such photos share
 // is seen at ever other scales, every one of them sees most of it, and the verdict is to sweep again.
-constexpr double kWalkPitch = 2;
+constexpr double kWalkPitch = 2.5;
 constexpr double kFull = 0.75;  // share of the memory allowed at which large arrays are let go: it takes a moment
 // Message passing and expansion of every cut. As many cycles as find something take longer for views as good.
 constexpr int kIterations = 4, kCycles = 1;

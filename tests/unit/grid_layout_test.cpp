@@ -74,12 +74,12 @@ TEST(GridLayout, IsTheFinestWhereMemoryIsEnough) {
   EXPECT_THAT(laid.notes, IsEmpty());
 }
 
-TEST(GridLayout, IsHalfAsFineWhereTheCameraWalkedForwardAndSaysSo) {
+TEST(GridLayout, IsCoarserWhereTheCameraWalkedForwardAndSaysSo) {
   Laid laid;
   laid.fit.forward = true;
-  EXPECT_EQ(laid.layout().pitch_px(), 2);
+  EXPECT_EQ(laid.layout().pitch_px(), 2.5);
   ASSERT_EQ(laid.notes.size(), 1U);
-  EXPECT_THAT(laid.notes[0], HasSubstr("moved along its line of sight"));
+  EXPECT_THAT(laid.notes[0], AllOf(HasSubstr("moved along its line of sight"), HasSubstr("spans 2.5 of the photos'")));
 }
 
 TEST(GridLayout, IsCoarserByAsLittleAsMemoryAsksForAndSaysSo) {
