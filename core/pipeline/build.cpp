@@ -67,7 +67,6 @@ class Build {
   void lay_out() {
     report_.arc = fit_arc(poses_.cameras);
     if (const std::string what = sideways(poses_.cameras); !what.empty()) report_.notes.push_back(what);
-    watch_.lap("arc");
     layout_ = std::make_unique<GridLayout>(poses_, report_.arc, options_, report_.notes);
     watch_.lap("arc");
     upright_ = rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc,

@@ -1,6 +1,9 @@
 // What the service and `ldp capture` do when the system refuses, hangs or goes away under them. Calls fail by faults.c.
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
 
 #include "core/base/files.h"
 #include "device/service/builds/build_child.h"
@@ -98,6 +101,32 @@ TEST_F(LdpdTest, AServiceThatWaitsWakesForItsTicksOnlyAndDoesMissNone) {
   EXPECT_EQ(service.stop(SIGTERM).status, 0);
   EXPECT_GT(polls_in(room_ / "faults"), 2);
   EXPECT_LT(polls_in(room_ / "faults"), 60);
+}
+
+TEST_F(LdpdTest, TheWatchdogOfAServiceThatWaitsIsFedInTime) {
+  const std::string path = (room_ / "notify").string();
+  const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  const timeval patience{20, 0};
+  ASSERT_EQ(::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience), 0);
+  script("wait 600000");
+  std::vector<std::string> words = command({});
+  words.insert(words.begin(), {"env", "NOTIFY_SOCKET=" + path, "WATCHDOG_USEC=300000"});
+  Process service(words, room_ / "said");
+  int fed = 0, ready = 0;
+  char text[256];
+  for (ssize_t got = 0; fed < 8 && (got = ::recv(socket, text, sizeof text, 0)) > 0;) {
+    const std::string notice(text, static_cast<size_t>(got));
+    fed += notice == "WATCHDOG=1" ? 1 : 0;
+    ready += notice == "READY=1" ? 1 : 0;
+  }
+  EXPECT_EQ(fed, 8);
+  EXPECT_EQ(ready, 1);
+  EXPECT_EQ(service.stop(SIGTERM).status, 0);
+  ::close(socket);
 }
 
 TEST_F(LdpdTest, AKeyboardThatHangsUpEndsASingleRunThatWaitsForIt) {

@@ -141,6 +141,21 @@ TEST(Consistency, PhotosAreComparedAtEvenExposure) {
   EXPECT_LT(held(dark, panorama).all.psnr_db(), 15);
 }
 
+TEST(Consistency, ABrightnessThatMostOfAPlaceSharesIsExposure) {
+  const LayeredPanorama panorama = make_panorama(false);
+  Pictures photos(panorama);
+  for (RgbImage& picture : photos.pictures)
+    for (int y = 0; y < picture.height; ++y)
+      for (int x = 0; x < picture.width; ++x) {
+        Rgb& c = picture.at(x, y);
+        const int more = x / 10 % 3 == 0 ? -50 : 50;  // two thirds are brighter
+        c = {static_cast<uint8_t>(c.r + more), static_cast<uint8_t>(c.g + more), static_cast<uint8_t>(c.b + more)};
+      }
+  const ConsistencyReport report = held(photos, panorama);
+  EXPECT_NEAR(report.all.share(Agreement::exposure), 2.0 / 3, 0.1);
+  EXPECT_LT(report.all.share(Agreement::agrees), 0.1);
+}
+
 TEST(Consistency, AWrongPoseIsAShiftOfItsPhoto) {
   const LayeredPanorama panorama = make_panorama(false);
   Pictures photos(panorama);

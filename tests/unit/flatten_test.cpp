@@ -53,6 +53,18 @@ TEST(Flatten, WhatStandsBesideASurfaceDoesNotMatter) {
   for (int x = 0; x < 160; ++x) EXPECT_EQ(dark.at(x, 100), bright.at(x, 100)) << x;
 }
 
+TEST(Flatten, OfAMirroredPictureIsTheMirroredOne) {
+  const auto scene = [](int x, int y) { return 128 + 100 * std::sin(x * 0.05 + 0.3) * std::cos(y * 0.04 + x * 0.01); };
+  const auto flat = flatten(picture(scene), {});
+  const auto sideways = flatten(picture([&](int x, int y) { return scene(kWidth - 1 - x, y); }), {});
+  const auto upside_down = flatten(picture([&](int x, int y) { return scene(x, kHeight - 1 - y); }), {});
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      EXPECT_NEAR(grey(sideways, kWidth - 1 - x, y), grey(flat, x, y), 0.3) << x << ", " << y;
+      EXPECT_NEAR(grey(upside_down, x, kHeight - 1 - y), grey(flat, x, y), 0.3) << x << ", " << y;
+    }
+}
+
 TEST(Flatten, TheSameBytesAtAnyThreadCount) {
   const auto scene = picture([](int x, int y) { return 128 + 100 * std::sin(x * 0.05) * std::sin(y * x * 0.001); });
   Job four;

@@ -160,6 +160,18 @@ TEST(Judge, BlurIsToldWhereItIs) {
   }
 }
 
+TEST(Judge, WhatMostPhotosHaveIsToldOnceForTheWholeSweep) {
+  SweepEvidence evidence = clean_sweep();
+  for (size_t i = 0; i < 8; ++i) evidence.photos[i].measures.blur_x = 0.45;
+  const SweepQuality quality = judge(evidence);
+  ASSERT_EQ(reasons(quality), std::vector{QualityReason::blurred});
+  EXPECT_EQ(quality.reasons[0].from_deg, 0);
+  EXPECT_EQ(quality.reasons[0].to_deg, 156);
+  evidence.photos[7].measures.blur_x = 0.24;  // half of them are not most
+  ASSERT_EQ(reasons(judge(evidence)), std::vector{QualityReason::blurred});
+  EXPECT_EQ(judge(evidence).reasons[0].to_deg, 78);
+}
+
 TEST(Judge, EveryFaultHasItsReason) {
   const auto of = [](auto spoil) {
     SweepEvidence evidence = clean_sweep();
