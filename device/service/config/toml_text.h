@@ -1,6 +1,8 @@
 // The TOML library, so that malformed text is told with its line.
 #pragma once
 
+#include <cstdint>  // the library's first parts take its types for given
+
 // Malformed text fails this parser's assertions ("[=]") and reaches what it calls unreachable (a letter beyond ASCII in
 // a key); a few lines on it tells the mistake.
 #define TOML_ASSERT(condition) static_assert(true)
