@@ -104,6 +104,11 @@ class Process {
     siginfo_t ended{};
     return waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == 0;
   }
+  bool ends_within(int seconds) const {
+    const auto until = Clock::now() + std::chrono::seconds(seconds);
+    while (runs() && Clock::now() < until) std::this_thread::sleep_for(milliseconds(5));
+    return !runs();
+  }
   Finished stop(int signal) {
     kill(pid_, signal);
     return wait();
