@@ -31,7 +31,8 @@ SineCosine exact_sine_cosine(double angle_rad) {
   const double quarter = std::floor(angle_rad / (kHalfPiHigh + kHalfPiLow) + 0.5);
   const double rest = (angle_rad - quarter * kHalfPiHigh) - quarter * kHalfPiLow;
   const double s = sine_series(rest), c = cosine_series(rest);
-  switch (static_cast<long long>(quarter) & 3) {
+  // Beyond 2^62 quarters, which only a damaged file asks for, no digit of the angle tells which one it is.
+  switch (std::abs(quarter) < 0x1p62 ? static_cast<long long>(quarter) & 3 : 0) {
     case 0:
       return {s, c};
     case 1:

@@ -1,6 +1,5 @@
 #include "core/captures/transforms.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -8,9 +7,9 @@
 #include <set>
 #include <stdexcept>
 
-#include "core/base/exact_math.h"
 #include "core/base/files.h"
 #include "core/captures/json_fields.h"
+#include "core/captures/opengl_pose.h"
 #include "core/photos/images.h"
 
 namespace ldp {
@@ -110,29 +109,14 @@ Eigen::Matrix4d matrix_of(const Json& frame, const FrameFields& fields) {
   return matrix;
 }
 
-// OpenGL's camera axes (right, up, back) against ours (right, down, forward).
-const Eigen::Vector3d kOpenGlFromOurs(1, -1, -1);
-
 Pose pose_of(const Json& frame, const FrameFields& fields) {
   const Eigen::Matrix4d matrix = matrix_of(frame, fields);
   if (!matrix.allFinite()) fields.refuse("transform_matrix must hold finite numbers only");
-  Pose pose;
-  pose.world_from_camera = matrix.topLeftCorner<3, 3>() * kOpenGlFromOurs.asDiagonal();
-  pose.centre = matrix.topRightCorner<3, 1>();
-  const double skew =
-      (pose.world_from_camera.transpose() * pose.world_from_camera - Eigen::Matrix3d::Identity()).norm();
-  if (skew > 1e-3 || pose.world_from_camera.determinant() < 0)
+  const std::optional<Pose> pose = pose_of_opengl(matrix);
+  if (!pose)
     fields.refuse(
         "transform_matrix is not a rotation and a position (its columns must be unit, orthogonal and right-handed)");
-  // Numbers written with few digits: back to a rotation, by the iteration R (3 I - R'R) / 2, which converges squared.
-  for (int i = 0; i < 4 && skew > 1e-12; ++i) {
-    const Eigen::Matrix3d r = pose.world_from_camera;
-    for (int j = 0; j < 3; ++j) {
-      const Eigen::Vector3d column = 3 * Eigen::Matrix3d::Identity().col(j) - exact_transposed_product(r, r.col(j));
-      pose.world_from_camera.col(j) = 0.5 * exact_product(r, column);
-    }
-  }
-  return pose;
+  return *pose;
 }
 
 std::string last_part(const std::string& path) {
@@ -175,9 +159,9 @@ void put(Json& json, const Intrinsics& k) {
 }
 
 Json rows_of(const Pose& pose) {
-  const Eigen::Matrix3d axes = pose.world_from_camera * kOpenGlFromOurs.asDiagonal();
+  const Eigen::Matrix4d matrix = opengl_matrix(pose);
   Json rows = Json::array();
-  for (Eigen::Index r = 0; r < 3; ++r) rows.push_back({axes(r, 0), axes(r, 1), axes(r, 2), pose.centre(r)});
+  for (Eigen::Index r = 0; r < 3; ++r) rows.push_back({matrix(r, 0), matrix(r, 1), matrix(r, 2), matrix(r, 3)});
   rows.push_back({0, 0, 0, 1});
   return rows;
 }

@@ -11,11 +11,15 @@
 #include "core/view/view_tuning.h"
 
 namespace ldp {
-namespace {
 
-constexpr int kMaxViewSide = 1 << 14;
-
-}  // namespace
+uint64_t rendering_bytes(const LdpDescription& description) {
+  const PanoramaGrid& grid = description.panorama.grid;
+  const uint64_t pixels = static_cast<uint64_t>(grid.width) * static_cast<uint64_t>(grid.height);
+  uint64_t bytes = kMeshBytesAlways;
+  for (const LdpLayerSummary& layer : description.layers)
+    bytes += kMeshBytesPerPixel * pixels + kMeshBytesPerPresentPixel * layer.present_pixels;
+  return bytes;
+}
 
 void view::check_camera(const Camera& camera) {
   const Intrinsics& k = camera.intrinsics;

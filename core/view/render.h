@@ -6,13 +6,23 @@
 // and depth 0.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "core/base/job.h"
 #include "core/geometry/geometry.h"
+#include "core/panorama/file/ldp_file.h"
 #include "core/panorama/panorama.h"
 
 namespace ldp {
+
+constexpr int kMaxViewSide = 1 << 14;
+
+// Bytes that a renderer of a panorama holds beside it. Measured: 12.3 a pixel and 105 more where one is present; 40 for
+// each pixel of a view that is filled.
+constexpr uint64_t kMeshBytesPerPixel = 14, kMeshBytesPerPresentPixel = 128, kMeshBytesAlways = 16 << 20;
+constexpr uint64_t kBytesOfView = 48;
+uint64_t rendering_bytes(const LdpDescription& description);  // of all its layers, without views
 
 enum class Fill { none, background };
 

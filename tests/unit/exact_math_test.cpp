@@ -12,6 +12,11 @@ namespace {
 
 constexpr int kSamples = 20000;
 
+// Undefined where the quarters of a turn were no whole number of 64 bits: told by UBSan.
+TEST(ExactMath, AnglesWithoutADigitOfTheirTurnAreNoFault) {
+  for (const double angle : {-8.94e305, 1e300, 1e19}) exact_sine_cosine(angle);
+}
+
 TEST(ExactMath, SineAndCosineAgreeWithTheLibrary) {
   for (int i = 0; i < kSamples; ++i) {
     const double angle = (i - kSamples / 2) * 0.01037;

@@ -73,9 +73,8 @@ void keep_photos(const RenderCommand& command, const std::vector<Camera>& camera
   }
 }
 
-// Measured: 12.3 bytes a pixel and 105 more where one is present; 40 for each pixel of a view that is filled.
-constexpr BytesBeside kRendering{.per_pixel = 14, .per_present_pixel = 128, .always = 16 << 20};
-constexpr uint64_t kBytesOfView = 48;
+constexpr BytesBeside kRendering{
+    .per_pixel = kMeshBytesPerPixel, .per_present_pixel = kMeshBytesPerPresentPixel, .always = kMeshBytesAlways};
 
 constexpr double kBlind = 0.01;  // share of a view that shows something, below which its camera sees nothing
 
