@@ -35,6 +35,7 @@ void add_poses(Program& program);
 void add_scene(Program& program);
 void add_capture(Program& program);
 void add_watch(Program& program);
+void add_serve(Program& program);
 
 // "800x600", sides from 16 to 8192; throws BadInput.
 void parse_size(const std::string& text, int& width, int& height);

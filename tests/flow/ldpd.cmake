@@ -23,6 +23,10 @@ if(LDP_DRIVERS)
     # Its only complaint may be that the program is not installed here.
     add_test(NAME TheServiceUnitIsGood COMMAND sh -c
       "if ${SYSTEMD_ANALYZE} verify ${PROJECT_BINARY_DIR}/device/systemd/ldpd.service 2>&1 | grep ldpd.service | grep -v 'is not executable' | grep -v 'man '; then exit 1; fi")
+    add_test(NAME TheGallerysUnitsAreGood COMMAND sh -c
+      "if ${SYSTEMD_ANALYZE} verify ${PROJECT_BINARY_DIR}/device/systemd/ldp-gallery.service ${PROJECT_SOURCE_DIR}/device/systemd/ldp-gallery.socket 2>&1 | grep ldp-gallery | grep -v 'is not executable'; then exit 1; fi")
+    add_test(NAME TheGalleryIsExposedByLessThan2 COMMAND
+      ${SYSTEMD_ANALYZE} security --no-pager --offline=true --threshold=19 ${PROJECT_BINARY_DIR}/device/systemd/ldp-gallery.service)
     # In tenths.
     add_test(NAME TheServiceIsExposedByLessThan2 COMMAND
       ${SYSTEMD_ANALYZE} security --no-pager --offline=true --threshold=19 ${PROJECT_BINARY_DIR}/device/systemd/ldpd.service)

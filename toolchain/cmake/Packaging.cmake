@@ -14,6 +14,7 @@ endfunction()
 
 set(deb ${PROJECT_SOURCE_DIR}/toolchain/deb)
 install(FILES ${PROJECT_SOURCE_DIR}/device/systemd/ldpd.toml DESTINATION /etc)
+install(FILES ${PROJECT_SOURCE_DIR}/device/systemd/ldp-gallery.avahi DESTINATION /etc/avahi/services RENAME ldp-gallery.service)
 install(FILES ${PROJECT_SOURCE_DIR}/drivers/messages.lcm DESTINATION ${CMAKE_INSTALL_DATADIR}/layered-depth-panorama)
 install(FILES ${PROJECT_SOURCE_DIR}/core/panorama/file/FORMAT.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES ${deb}/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})

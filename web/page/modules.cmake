@@ -28,17 +28,22 @@ function(web_script out)
   set(${out} "${script}" PARENT_SCOPE)
 endfunction()
 
+# web_packed(OUT TEXT): the bytes of a text, compressed (gzip), as numbers with commas.
+function(web_packed out text)
+  set(folder ${PROJECT_BINARY_DIR}/generated/web)
+  file(WRITE ${folder}/text "${text}")
+  file(ARCHIVE_CREATE OUTPUT ${folder}/text.gz PATHS ${folder}/text FORMAT raw COMPRESSION GZip COMPRESSION_LEVEL 9 MTIME 0)
+  file(READ ${folder}/text.gz bytes HEX)
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
+  set(${out} "${bytes}" PARENT_SCOPE)
+endfunction()
+
 # web_page(PAGE SCRIPTS): the page with the marks @SCRIPTS@ and @PANORAMA@ left in it, and the bytes of its scripts,
 # compressed, as numbers with commas.
 function(web_page page_out scripts_out)
-  set(folder ${PROJECT_BINARY_DIR}/generated/web)
   web_script(worker ${web_worker_modules})
   web_script(viewer ${web_viewer_modules})
-  file(WRITE ${folder}/scripts.js "${viewer}\n@next@\n${worker}")
-  file(ARCHIVE_CREATE OUTPUT ${folder}/scripts.gz PATHS ${folder}/scripts.js FORMAT raw COMPRESSION GZip
-    COMPRESSION_LEVEL 9 MTIME 0)
-  file(READ ${folder}/scripts.gz bytes HEX)
-  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
+  web_packed(bytes "${viewer}\n@next@\n${worker}")
   web_script(start page/start.js)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/page/page.html)
   file(READ ${PROJECT_SOURCE_DIR}/web/page/page.html page)

@@ -6,6 +6,7 @@ namespace ldp {
 
 void add_commands(Program& program) {
   add_capture(program);
+  add_serve(program);
   add_watch(program);
 }
 

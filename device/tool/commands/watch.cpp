@@ -10,6 +10,7 @@
 #include <string>
 
 #include "device/backends/open.h"
+#include "device/gallery/status_json.h"
 #include "device/tool/commands.h"
 #include "drivers/interface/clocks.h"
 #include "drivers/interface/status.h"
@@ -26,35 +27,6 @@ struct WatchCommand {
 };
 
 using Json = nlohmann::ordered_json;
-
-Json json_from(const Status& status) {
-  return {{"type", "status"},    {"phase", name_of(status.phase)},        {"capture", status.capture},
-          {"text", status.text}, {"frames_stored", status.frames_stored}, {"sweeps_left", status.sweeps_left}};
-}
-Json json_from(const Progress& progress) {
-  return {
-      {"type", "progress"}, {"capture", progress.capture}, {"stage", progress.stage}, {"fraction", progress.fraction}};
-}
-Json json_from(const Guidance& guidance) {
-  return {{"type", "guidance"},
-          {"advice", name_of(guidance.advice)},
-          {"covered_rad", guidance.covered_rad},
-          {"speed_rad_s", guidance.speed_rad_s},
-          {"tilt_px", guidance.tilt_px},
-          {"brightness", guidance.brightness},
-          {"frames_chosen", guidance.frames_chosen}};
-}
-Json json_from(const Result& result) {
-  return {{"type", "result"},
-          {"ok", result.ok},
-          {"capture", result.capture},
-          {"file", result.file},
-          {"text", result.text},
-          {"seconds", result.seconds},
-          {"verdict", name_of(result.verdict)},
-          {"expected_view_psnr_db", result.expected_view_psnr_db},
-          {"reasons", result.reasons}};
-}
 
 std::string line_from(const Status& status) {
   return "status    " + std::string(name_of(status.phase)) + ": " + status.text + " (" +
@@ -83,7 +55,7 @@ void print(const HeardMessage& heard, bool as_json) {
   char utc[32];
   utc_text(heard.utc_ns, utc);
   if (as_json) {
-    Json json = std::visit([](const auto& message) { return json_from(message); }, heard.message);
+    Json json = gallery::json_from(heard.message);
     json["utc"] = utc;
     json["monotonic_ns"] = heard.monotonic_ns;
     std::printf("%s\n", json.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());

@@ -1,0 +1,123 @@
+#include "device/gallery/http/lobby.h"
+
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <string_view>
+#include <system_error>
+
+#include "device/gallery/http/server_tuning.h"
+#include "drivers/interface/clocks.h"
+
+namespace ldp::gallery {
+namespace {
+
+constexpr int64_t kMillisecond_ns = 1'000'000;
+
+[[noreturn]] void fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
+
+bool is_passing(int error) {  // of one connection, or over when others have ended
+  constexpr std::array kPassing{EAGAIN, EINTR, ECONNABORTED, EPROTO, EMFILE, ENFILE, ENOBUFS, ENOMEM, EPERM};
+  return std::find(kPassing.begin(), kPassing.end(), error) != kPassing.end();
+}
+
+enum class Head { partial, whole, too_long, gone };
+
+// What has come so far, left where it is.
+Head head_at(int connection) {
+  std::array<char, kMostHeadBytes> bytes;
+  const ssize_t got = ::recv(connection, bytes.data(), bytes.size(), MSG_PEEK | MSG_DONTWAIT);
+  if (got < 0) return errno == EAGAIN || errno == EINTR ? Head::partial : Head::gone;
+  if (got == 0) return Head::gone;
+  const std::string_view head(bytes.data(), static_cast<size_t>(got));
+  if (head.find("\r\n\r\n") != std::string_view::npos) return Head::whole;
+  return head.size() == bytes.size() ? Head::too_long : Head::partial;
+}
+
+void refuse_long_head(int connection) {
+  constexpr std::string_view kWords =
+      "HTTP/1.1 431 Request Header Fields Too Large\r\nContent-Length: 0\r\nConnection: close\r\n\r\n";
+  ::send(connection, kWords.data(), kWords.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+}
+
+}  // namespace
+
+Lobby::Lobby(int listening, int end) : listening_(listening), end_(end), epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
+  if (!epoll_.is_open()) fail("cannot make an epoll descriptor");
+  watch(listening_, EPOLLIN);
+  watch(end_, EPOLLIN);
+}
+
+void Lobby::watch(int fd, uint32_t events) const {
+  epoll_event event{};
+  event.events = events;
+  event.data.fd = fd;
+  if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event) != 0) fail("cannot watch a connection");
+}
+
+void Lobby::admit(UniqueFd connection) {
+  const int fd = connection.get();
+  const std::lock_guard lock(mutex_);
+  if (guests_.size() >= kMostWaiting) return;
+  guests_[fd] = {std::move(connection), monotonic_now_ns() + kHeadWithin_ms * kMillisecond_ns};
+  watch(fd, EPOLLIN | EPOLLRDHUP | EPOLLET);
+}
+
+void Lobby::accept_all() {
+  for (;;) {
+    UniqueFd connection(::accept4(listening_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+    if (!connection.is_open()) break;
+    const int on = 1, bytes = kSendBuffer;
+    ::setsockopt(connection.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    ::setsockopt(connection.get(), SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes);
+    admit(std::move(connection));
+  }
+  if (!is_passing(errno)) fail("cannot accept connections");
+  if (errno == EMFILE || errno == ENFILE) ::poll(nullptr, 0, 20);  // until some have ended
+}
+
+void Lobby::look_at(int fd, std::vector<UniqueFd>& ready) {
+  const std::lock_guard lock(mutex_);
+  const auto guest = guests_.find(fd);
+  if (guest == guests_.end()) return;
+  const Head head = head_at(fd);
+  if (head == Head::partial) return;
+  ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, fd, nullptr);
+  if (head == Head::whole) ready.push_back(std::move(guest->second.connection));
+  if (head == Head::too_long) refuse_long_head(fd);
+  guests_.erase(guest);
+}
+
+void Lobby::send_away_late() {
+  const int64_t now_ns = monotonic_now_ns();
+  if (now_ns - looked_ns_ < kLateEvery_ms * kMillisecond_ns) return;
+  looked_ns_ = now_ns;
+  const std::lock_guard lock(mutex_);
+  std::erase_if(guests_, [&](const auto& guest) { return guest.second.until_ns < now_ns; });  // closing ends the watch
+}
+
+std::vector<UniqueFd> Lobby::next() {
+  std::array<epoll_event, 64> events;
+  const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), kLateEvery_ms);
+  if (count < 0 && errno != EINTR) fail("cannot wait for connections");
+  std::vector<UniqueFd> ready;
+  for (int i = 0; i < count; ++i) {
+    const int fd = events[static_cast<size_t>(i)].data.fd;
+    if (fd == end_)
+      has_ended_ = true;
+    else if (fd == listening_)
+      accept_all();
+    else
+      look_at(fd, ready);
+  }
+  send_away_late();
+  return ready;
+}
+
+}  // namespace ldp::gallery

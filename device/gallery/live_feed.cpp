@@ -1,0 +1,91 @@
+#include "device/gallery/live_feed.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <system_error>
+
+#include "device/gallery/status_json.h"
+
+namespace ldp::gallery {
+namespace {
+
+constexpr size_t kMostFollowers = 400;
+constexpr int kSilence_ms = 10'000;  // at most: a follower that is gone is noticed by writing
+
+std::string event_of(const StatusMessage& message) {
+  using Json = nlohmann::ordered_json;
+  return "data: " + json_from(message).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n\n";
+}
+
+// All of it at once, or the follower has not read for long.
+bool tell(int follower, const std::string& text) {
+  const ssize_t sent = ::send(follower, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  return sent == static_cast<ssize_t>(text.size());
+}
+
+}  // namespace
+
+LiveFeed::LiveFeed(std::unique_ptr<StatusListener> listener)
+    : listener_(std::move(listener)), wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (!wake_.is_open()) throw std::system_error(errno, std::generic_category(), "cannot make an eventfd");
+  thread_ = std::thread([this] { run(); });
+}
+
+LiveFeed::~LiveFeed() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  wake();
+  thread_.join();
+}
+
+void LiveFeed::wake() const {
+  const uint64_t one = 1;
+  [[maybe_unused]] const ssize_t put = ::write(wake_.get(), &one, sizeof one);
+}
+
+void LiveFeed::add(UniqueFd follower) {
+  const std::lock_guard lock(mutex_);
+  if (followers_.size() >= kMostFollowers) return;
+  std::string known = ": connected\n\n";
+  for (const std::string& event : last_) known += event;
+  if (tell(follower.get(), known)) followers_.push_back(std::move(follower));
+}
+
+void LiveFeed::send(Command command) {
+  const std::lock_guard lock(mutex_);
+  if (!listener_) throw std::runtime_error("no device is connected to this gallery");
+  listener_->send(command);
+}
+
+void LiveFeed::tell_all(const std::string& event) {
+  std::erase_if(followers_, [&](const UniqueFd& follower) { return !tell(follower.get(), event); });
+}
+
+void LiveFeed::hear() {
+  const std::lock_guard lock(mutex_);
+  while (const std::optional<HeardMessage> heard = listener_->read()) {
+    std::string& last = last_[heard->message.index()];
+    last = event_of(heard->message);
+    tell_all(last);
+  }
+}
+
+void LiveFeed::run() {
+  for (;;) {
+    const bool listens = listener_ && !listener_->ended();
+    pollfd entries[] = {{wake_.get(), POLLIN, 0}, {listens ? listener_->fd() : -1, POLLIN, 0}};
+    const int ready = ::poll(entries, 2, kSilence_ms);
+    if (entries[1].revents != 0) hear();
+    const std::lock_guard lock(mutex_);
+    if (ending_) return;
+    if (ready == 0) tell_all(": still here\n\n");
+  }
+}
+
+}  // namespace ldp::gallery
