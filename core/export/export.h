@@ -3,7 +3,8 @@
 //   .jpg .png   flat equirectangular panorama of the front layer, with GPano (XMP) so that panorama viewers know which
 //               part of the sphere it is; .jpg also with EXIF
 //   .glb        the layers as textured meshes that tear at depth edges (glTF 2.0, unlit); y is up, the arc's centre is
-//               the origin
+//               the origin. Coded for size (EXT_meshopt_compression, EXT_texture_webp), or plain for readers of bare
+//               glTF
 //   .html       a viewer with parallax (web/) in one file that needs no network, the .ldp file inside
 //   .json       transforms.json of the source cameras
 //
@@ -22,7 +23,8 @@
 namespace ldp {
 
 struct ExportOptions {
-  int quality = 90;  // of JPEG images, 1 .. 100
+  int quality = 90;    // of JPEG images, 1 .. 100; WebP textures look alike
+  bool plain = false;  // .glb without extensions that readers must know
 };
 
 std::vector<uint8_t> export_jpeg(const LayeredPanorama& panorama, const ExportOptions& options);

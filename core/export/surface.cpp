@@ -15,9 +15,10 @@ int sign(int v) { return (v > 0) - (v < 0); }
 
 class SurfaceMaker {
  public:
-  SurfaceMaker(const LayeredPanorama& panorama, const Layer& layer, int step)
+  SurfaceMaker(const LayeredPanorama& panorama, const Layer& layer, const SurfacePart& part)
       : layer_(layer),
-        step_(step),
+        step_(part.step),
+        tolerance_(part.tolerance),
         width_(panorama.grid.width),
         height_(panorama.grid.height),
         wraps_(panorama.grid.wraps) {}
@@ -83,7 +84,7 @@ class SurfaceMaker {
         const double s = static_cast<double>(x) / size;
         const double t = static_cast<double>(y) / size;
         const double flat = (1 - t) * ((1 - s) * d00 + s * d10) + t * ((1 - s) * d01 + s * d11);
-        if (std::abs(flat - disparity(x0 + x, y0 + y)) > kSurfaceTolerance) return false;
+        if (std::abs(flat - disparity(x0 + x, y0 + y)) > tolerance_) return false;
       }
     // Steep all over: a tear would have shown above as a step, unless the corners' own slope hides it.
     const double steepest =
@@ -155,7 +156,7 @@ class SurfaceMaker {
   }
 
   const Layer& layer_;
-  int step_;
+  int step_, tolerance_;
   SurfaceTolerance<int> connected_{kSurfaceSlope * step_};
   int width_, height_;
   bool wraps_;
@@ -166,7 +167,7 @@ class SurfaceMaker {
 }  // namespace
 
 Surface make_surface(const LayeredPanorama& panorama, size_t layer, const SurfacePart& part, const Job& job) {
-  return SurfaceMaker(panorama, panorama.layers[layer], part.step).run(part.begin, part.end, job);
+  return SurfaceMaker(panorama, panorama.layers[layer], part).run(part.begin, part.end, job);
 }
 
 RgbImage spread_colour(const Layer& layer) {

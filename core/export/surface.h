@@ -1,5 +1,5 @@
 // A layer as a surface over the panorama's grid that tears where depth jumps, with few triangles: a quadtree of cells
-// over pixel centres, each a quad where inverse depth is bilinear to within kSurfaceTolerance, split where not.
+// over pixel centres, each a quad where inverse depth is bilinear to within a tolerance, split where not.
 //
 // Cells of different size meet with cracks below the tolerance, less than a pixel of parallax in the viewing space.
 #pragma once
@@ -13,7 +13,7 @@
 namespace ldp {
 
 constexpr int kSurfaceLargestCell = 32;  // pixels a side
-constexpr int kSurfaceTolerance = 12;    // disparity steps: 0.3 % of the inverse-depth range
+constexpr int kSurfaceTolerance = 12;    // disparity steps at least: 0.3 % of the inverse-depth range
 constexpr int kSurfaceSlope = 40;        // what a slanted surface may change from pixel to pixel, in disparity steps
 
 struct SurfaceVertex {
@@ -28,10 +28,11 @@ struct Surface {
 };
 
 // The quads between pixel columns [begin, end). In a panorama that wraps, the quad behind the last column leads to
-// column 0. The smallest cells have `step` pixels a side (1, 2, 4 ... kSurfaceLargestCell).
+// column 0.
 struct SurfacePart {
   int begin = 0, end = 0;
-  int step = 1;
+  int step = 1;  // pixels a side of the smallest cells: 1, 2, 4 ... kSurfaceLargestCell
+  int tolerance = kSurfaceTolerance;
 };
 
 Surface make_surface(const LayeredPanorama& panorama, size_t layer, const SurfacePart& part, const Job& job = {});

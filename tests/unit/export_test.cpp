@@ -2,10 +2,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <meshoptimizer.h>
 
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 #include <span>
 #include <stdexcept>
 
@@ -150,6 +157,151 @@ TEST(ExportGlb, IsAWellFormedContainer) {
   const std::string json(file.begin() + 20, file.begin() + 20 + static_cast<std::ptrdiff_t>(json_bytes));
   EXPECT_THAT(json, HasSubstr("KHR_materials_unlit"));
   EXPECT_THAT(json, HasSubstr("layer 3"));
+}
+
+// One mesh of a .glb as a reader has it in memory.
+struct ReadMesh {
+  std::vector<std::array<float, 3>> positions;
+  std::vector<std::array<uint16_t, 2>> places;
+  std::vector<uint32_t> triangles;
+};
+
+class GlbReader {
+ public:
+  explicit GlbReader(const std::vector<uint8_t>& file) : file_(file) {
+    const size_t json_bytes = u32(file, 12);
+    json_ = nlohmann::json::parse(file.begin() + 20, file.begin() + 20 + static_cast<std::ptrdiff_t>(json_bytes));
+    binary_ = 28 + json_bytes;
+  }
+
+  const nlohmann::json& json() const { return json_; }
+
+  std::vector<ReadMesh> meshes() const {
+    std::vector<ReadMesh> meshes;
+    for (const auto& mesh : json_["meshes"])
+      for (const auto& primitive : mesh["primitives"])
+        meshes.push_back({values<std::array<float, 3>>(primitive["attributes"]["POSITION"]),
+                          values<std::array<uint16_t, 2>>(primitive["attributes"]["TEXCOORD_0"]),
+                          values<uint32_t>(primitive["indices"])});
+    return meshes;
+  }
+
+  std::vector<uint8_t> bytes_of_view(size_t index) const {
+    const auto& view = json_["bufferViews"][index];
+    if (!view.contains("extensions")) return stored(view);
+    return unpacked(view["extensions"]["EXT_meshopt_compression"]);
+  }
+
+ private:
+  std::vector<uint8_t> stored(const nlohmann::json& place) const {
+    EXPECT_EQ(place["buffer"], 0);
+    const auto begin = file_.begin() + static_cast<std::ptrdiff_t>(binary_ + place["byteOffset"].get<size_t>());
+    return {begin, begin + place["byteLength"].get<std::ptrdiff_t>()};
+  }
+
+  std::vector<uint8_t> unpacked(const nlohmann::json& packing) const {
+    const std::vector<uint8_t> coded = stored(packing);
+    const size_t count = packing["count"], stride = packing["byteStride"];
+    std::vector<uint8_t> bytes(count * stride);
+    const bool is_vertices = packing["mode"] == "ATTRIBUTES";
+    EXPECT_EQ(is_vertices ? meshopt_decodeVertexBuffer(bytes.data(), count, stride, coded.data(), coded.size())
+                          : meshopt_decodeIndexBuffer(bytes.data(), count, stride, coded.data(), coded.size()),
+              0);
+    if (packing.contains("filter")) meshopt_decodeFilterExp(bytes.data(), count, stride);
+    return bytes;
+  }
+
+  template <typename Value>
+  std::vector<Value> values(size_t accessor) const {
+    const auto& description = json_["accessors"][accessor];
+    const std::vector<uint8_t> bytes = bytes_of_view(description["bufferView"]);
+    std::vector<Value> values(description["count"].get<size_t>());
+    EXPECT_EQ(bytes.size(), values.size() * sizeof(Value));
+    std::memcpy(values.data(), bytes.data(), bytes.size());
+    return values;
+  }
+
+  const std::vector<uint8_t>& file_;
+  nlohmann::json json_;
+  size_t binary_ = 0;
+};
+
+// Every triangle by the places of its corners, in no order: those of torn places have some in common.
+std::multiset<std::array<std::array<uint16_t, 2>, 3>> triangles_of(const ReadMesh& mesh) {
+  std::multiset<std::array<std::array<uint16_t, 2>, 3>> triangles;
+  for (size_t i = 0; i < mesh.triangles.size(); i += 3) {
+    std::array<std::array<uint16_t, 2>, 3> corners;
+    for (size_t k = 0; k < 3; ++k) corners[k] = mesh.places[mesh.triangles[i + k]];
+    std::sort(corners.begin(), corners.end());
+    triangles.insert(corners);
+  }
+  return triangles;
+}
+
+TEST(ExportGlb, PackedAndPlainAreTheSameSurfaceToAThirdOfAPixel) {
+  const LayeredPanorama panorama = synthetic_panorama({300, 90, 8, 3});
+  const std::vector<uint8_t> plain = export_glb(panorama, {.plain = true}), packed = export_glb(panorama, {});
+  EXPECT_LT(packed.size(), plain.size() / 2);
+  const GlbReader plain_reader(plain), packed_reader(packed);
+  const std::vector<ReadMesh> expected = plain_reader.meshes(), found = packed_reader.meshes();
+  ASSERT_EQ(found.size(), expected.size());
+  for (size_t m = 0; m < found.size(); ++m) {
+    EXPECT_EQ(triangles_of(found[m]), triangles_of(expected[m]));
+    ASSERT_EQ(found[m].positions.size(), expected[m].positions.size());
+    std::map<std::array<uint16_t, 2>, std::vector<std::array<float, 3>>> at_place;
+    for (size_t i = 0; i < expected[m].places.size(); ++i)
+      at_place[expected[m].places[i]].push_back(expected[m].positions[i]);
+    for (size_t i = 0; i < found[m].places.size(); ++i) {
+      const Eigen::Vector3f p(found[m].positions[i].data());
+      float nearest = 1;
+      for (const auto& q : at_place[found[m].places[i]])
+        nearest = std::min(nearest, (p - Eigen::Vector3f(q.data())).norm() / p.norm());
+      EXPECT_LT(nearest, 1.0F / 2300);
+    }
+  }
+}
+
+TEST(ExportGlb, PackedFilesSayWhatTheirReadersMustKnow) {
+  const std::vector<uint8_t> packed = export_glb(synthetic_panorama({}), {});
+  const GlbReader reader(packed);
+  const nlohmann::json& json = reader.json();
+  EXPECT_EQ(json["extensionsRequired"], (nlohmann::json{"EXT_meshopt_compression", "EXT_texture_webp"}));
+  ASSERT_EQ(json["buffers"].size(), 2U);
+  EXPECT_TRUE(json["buffers"][1]["extensions"]["EXT_meshopt_compression"]["fallback"]);
+  const size_t room = json["buffers"][1]["byteLength"];
+  for (const auto& view : json["bufferViews"]) {
+    const size_t end = view["byteOffset"].get<size_t>() + view["byteLength"].get<size_t>();
+    EXPECT_LE(end, view["buffer"] == 1 ? room : packed.size());
+  }
+  for (const auto& image : json["images"]) {
+    EXPECT_EQ(image["mimeType"], "image/webp");
+    const std::vector<uint8_t> bytes = reader.bytes_of_view(image["bufferView"]);
+    EXPECT_EQ(std::string(bytes.begin() + 8, bytes.begin() + 12), "WEBP");
+  }
+  for (const ReadMesh& mesh : reader.meshes()) {
+    for (const uint32_t index : mesh.triangles) ASSERT_LT(index, mesh.positions.size());
+  }
+}
+
+TEST(ExportGlb, PlainFilesNeedNoExtension) {
+  const std::vector<uint8_t> plain = export_glb(synthetic_panorama({}), {.plain = true});
+  const GlbReader reader(plain);
+  EXPECT_FALSE(reader.json().contains("extensionsRequired"));
+  EXPECT_EQ(reader.json()["buffers"].size(), 1U);
+}
+
+TEST(ExportGlb, BoundsAreThoseOfWhatReadersUnpack) {
+  const std::vector<uint8_t> packed = export_glb(synthetic_panorama({}), {});
+  const GlbReader reader(packed);
+  const std::vector<ReadMesh> meshes = reader.meshes();
+  const auto& primitive = reader.json()["meshes"][0]["primitives"][0];
+  const auto& accessor = reader.json()["accessors"][primitive["attributes"]["POSITION"].get<size_t>()];
+  for (size_t i = 0; i < 3; ++i) {
+    const auto less = [i](const auto& a, const auto& b) { return a[i] < b[i]; };
+    const auto& p = meshes[0].positions;
+    EXPECT_EQ((*std::min_element(p.begin(), p.end(), less))[i], accessor["min"][i].get<float>());
+    EXPECT_EQ((*std::max_element(p.begin(), p.end(), less))[i], accessor["max"][i].get<float>());
+  }
 }
 
 constexpr size_t kMostOfViewer = 60'000;  // bytes of a page, beside 1.4 times its panorama

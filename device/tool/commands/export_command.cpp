@@ -64,6 +64,7 @@ void add_export(Program& program) {
   app.add_option("-o,--output", command->output,
                  ".jpg or .png: flat panorama; .glb: textured mesh; .html: viewer; .json: cameras as transforms.json")
       ->required();
+  app.add_flag("--plain", command->options.plain, "A .glb for readers of bare glTF: several times as large");
   app.add_option("--quality", command->options.quality, "Of JPEG images")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
