@@ -9,7 +9,7 @@
 namespace ldp {
 namespace {
 
-enum class Form { jpeg, png, glb, html, json };
+enum class Form { jpeg, png, glb, html, json, ply };
 
 Form form_of(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
@@ -20,9 +20,10 @@ Form form_of(const std::filesystem::path& file) {
   if (extension == ".glb") return Form::glb;
   if (extension == ".html" || extension == ".htm") return Form::html;
   if (extension == ".json") return Form::json;
+  if (extension == ".ply") return Form::ply;
   throw std::runtime_error(file.string() + ": cannot export to " +
                            (extension.empty() ? "a name without an ending" : "'" + extension + "'") +
-                           ": .jpg, .png, .glb, .html or .json");
+                           ": .jpg, .png, .glb, .ply, .html, .json, or a folder with a slash behind its name");
 }
 
 std::vector<uint8_t> bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
@@ -42,6 +43,8 @@ std::vector<uint8_t> export_as(const std::filesystem::path& file, const LayeredP
       return export_glb(panorama, options, job);
     case Form::html:
       return bytes_of(export_html(ldp_file));
+    case Form::ply:
+      return export_ply(panorama, job);
     case Form::json:
       break;
   }

@@ -7,6 +7,11 @@
 //               glTF
 //   .html       a viewer with parallax (web/) in one file that needs no network, the .ldp file inside
 //   .json       transforms.json of the source cameras
+//   .ply        the points of all layers in the world of those cameras, but for those at infinity: x y z (float), red
+//               green blue, layer (1 = front); binary
+//   a folder    layered images: layer_1.png ... (RGBA) and layer_1_disparity.png ... (16 bits: 0 .. 3825 of the range
+//   of
+//               inverse depth, 65535 = nothing there), on the grid that layers.json tells, with the cameras
 //
 // A pushbroom panorama flattened is what it is: every column seen from its own place of the arc.
 #pragma once
@@ -30,7 +35,14 @@ struct ExportOptions {
 std::vector<uint8_t> export_jpeg(const LayeredPanorama& panorama, const ExportOptions& options);
 std::vector<uint8_t> export_png(const LayeredPanorama& panorama);
 std::vector<uint8_t> export_glb(const LayeredPanorama& panorama, const ExportOptions& options, const Job& job = {});
+std::vector<uint8_t> export_ply(const LayeredPanorama& panorama, const Job& job = {});
 std::string export_html(std::span<const uint8_t> ldp_file);
+
+struct ExportedFile {
+  std::string name;
+  std::vector<uint8_t> bytes;
+};
+std::vector<ExportedFile> export_layers(const LayeredPanorama& panorama, const Job& job = {});
 
 // By the file's extension, in capitals or not; std::runtime_error that lists the known ones for any other, which
 // check_export_name throws before any work is done. `ldp_file`: what the panorama was decoded from.

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 
-#include "core/captures/transforms.h"
+#include "core/captures/colmap_model.h"
 #include "device/tool/memory_size.h"
 #include "device/tool/number_within.h"
 #include "device/tool/output.h"
@@ -40,7 +41,8 @@ double turned_fov(double fov_rad, int turn_deg, ImageSize turned) {
 
 void add_capture_options(CLI::App& command, BuildSetup& setup) {
   command.add_option("CAPTURE", setup.capture, "Folder of photos, taken in name order")->required();
-  command.add_option("--cameras", setup.cameras, "Known cameras (transforms.json); without it they are estimated");
+  command.add_option("--cameras", setup.cameras,
+                     "Known cameras (transforms.json, or the folder of a COLMAP model); without they are estimated");
   command.add_option("--fov", setup.fov_deg, "Horizontal field of view of the photos, degrees, as a start")
       ->check(number_within(5.0, 150.0));
   command.add_option("--arm-length", setup.arm_length, "Length of the arm, metres: sets the scale of estimated poses")
@@ -115,7 +117,7 @@ PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes, c
 }
 
 PreparedBuild prepare(const BuildSetup& setup) {
-  if (!setup.cameras.empty()) check_input_file(setup.cameras);
+  if (!setup.cameras.empty() && !std::filesystem::is_directory(setup.cameras)) check_input_file(setup.cameras);
   PreparedBuild prepared{open_frames(setup), read_capture_notes(setup.capture), setup.build};
   const int photos = prepared.frames.size();
   if (photos < kFewestPhotos) {
@@ -129,7 +131,7 @@ PreparedBuild prepare(const BuildSetup& setup) {
   }
   options.poses = poses_options(setup, prepared.notes, prepared.frames);
   if (!setup.cameras.empty()) {
-    options.cameras = prepared.frames.fit(read_transforms(setup.cameras));
+    options.cameras = prepared.frames.fit(read_cameras(setup.cameras));
     check_lenses(options.cameras, setup.cameras);
     if (options.cameras.size() < 3) {
       throw BadInput(setup.cameras + ": only " + std::to_string(options.cameras.size()) +

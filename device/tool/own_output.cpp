@@ -48,6 +48,8 @@ bool is_of(OutputKind kind, const fs::path& file) {
       return says("GPano:ProjectionType=\"equirectangular\"") && says("GPano:StitchingSoftware=\"ldp ");
     case OutputKind::mesh:
       return head.starts_with("glTF") && says("layered-depth-panorama");
+    case OutputKind::cloud:
+      return head.starts_with("ply\n") && says("comment layered-depth-panorama");
     case OutputKind::viewer:
       return says("<title>Layered depth panorama</title>");
     case OutputKind::film:
@@ -68,6 +70,8 @@ const char* words_for(OutputKind kind) {
       return "flat panorama of this program";
     case OutputKind::mesh:
       return "mesh of this program";
+    case OutputKind::cloud:
+      return "point cloud of this program";
     case OutputKind::viewer:
       return "viewer of this program";
     case OutputKind::film:
@@ -82,6 +86,7 @@ OutputKind exported_kind(const fs::path& file) {
   const std::string extension = extension_of(file);
   if (extension == ".json") return OutputKind::cameras;
   if (extension == ".glb") return OutputKind::mesh;
+  if (extension == ".ply") return OutputKind::cloud;
   return extension.starts_with(".htm") ? OutputKind::viewer : OutputKind::picture;
 }
 

@@ -7,7 +7,7 @@
 
 namespace ldp {
 
-enum class OutputKind { panorama, report, cameras, picture, mesh, viewer, film };
+enum class OutputKind { panorama, report, cameras, picture, mesh, cloud, viewer, film };
 
 constexpr const char* kRendered = "ldp render";  // told in every view and film: other ones are someone's own
 

@@ -88,5 +88,22 @@ TEST_F(GivenCameras, TrueCamerasAreNotSpokenOf) {
   EXPECT_EQ(built.err, "");
 }
 
+// Cameras go out as a COLMAP model and come in again.
+TEST_F(GivenCameras, AreTakenFromTheFolderOfAColmapModel) {
+  const std::string from = capture();
+  const Outcome written = ldp({"poses", from, "--cameras", from + "/transforms.json", "--colmap", path("sparse")});
+  ASSERT_EQ(written.status, 0) << written.err;
+  const Outcome again = ldp({"poses", from, "--cameras", path("sparse"), "-o", path("again.json")});
+  ASSERT_EQ(again.status, 0) << again.err;
+  const auto truth = nlohmann::json::parse(text_of(from + "/transforms.json"));
+  const auto found = nlohmann::json::parse(text_of(path("again.json")));
+  ASSERT_EQ(found["frames"].size(), truth["frames"].size());
+  for (size_t i = 0; i < truth["frames"].size(); ++i)
+    for (size_t k = 0; k < 16; ++k)
+      EXPECT_NEAR(found["frames"][i]["transform_matrix"][k / 4][k % 4].get<double>(),
+                  truth["frames"][i]["transform_matrix"][k / 4][k % 4].get<double>(), 1e-9);
+  expect_refusal({"build", from, "-o", path("a.ldp"), "--cameras", from}, 2, "holds no COLMAP model");
+}
+
 }  // namespace
 }  // namespace ldp

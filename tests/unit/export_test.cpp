@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -334,7 +335,62 @@ TEST(Export, AnUnknownExtensionIsRefusedWithTheKnownOnes) {
     export_as("a.obj", synthetic_panorama({}), {});
     FAIL();
   } catch (const std::runtime_error& e) {
-    EXPECT_STREQ(e.what(), "a.obj: cannot export to '.obj': .jpg, .png, .glb, .html or .json");
+    EXPECT_STREQ(e.what(),
+                 "a.obj: cannot export to '.obj': .jpg, .png, .glb, .ply, .html, .json, or a folder with a slash "
+                 "behind its name");
+  }
+}
+
+// A strict reader of what the header promises: so many points, each where its pixel's ray is at its depth.
+TEST(ExportPoints, LieOnTheirRaysAtTheirDepths) {
+  const LayeredPanorama panorama = synthetic_panorama({60, 40, 8, 3});
+
+  const std::vector<uint8_t> file = export_ply(panorama);
+  const std::string text(file.begin(), file.end());
+  const std::string end = "end_header\n";
+  const size_t body = text.find(end) + end.size();
+  ASSERT_TRUE(text.starts_with("ply\nformat binary_little_endian 1.0\n"));
+  const size_t count = std::stoul(text.substr(text.find("element vertex ") + 15));
+  ASSERT_EQ(file.size() - body, count * 16);
+  size_t expected = 0;
+  for (const Layer& layer : panorama.layers)
+    for (int y = 0; y < 40; ++y)
+      for (int x = 0; x < 60; ++x) expected += layer.coverage.at(x, y) && layer.depth.disparity(x, y) > 0 ? 1U : 0U;
+  EXPECT_EQ(count, expected);
+  std::array<int, 4> of_layer{};
+  for (size_t i = 0; i < count; ++i) {
+    const size_t at = body + 16 * i;
+    Eigen::Vector3d point;
+    for (size_t k = 0; k < 3; ++k) point[static_cast<int>(k)] = std::bit_cast<float>(u32(file, at + 4 * k));
+    const size_t layer = file[at + 15];
+    ASSERT_TRUE(layer >= 1 && layer <= 3);
+    ++of_layer[layer];
+    const PanoramaPosition place = locate(panorama.grid, point);
+    const int x = static_cast<int>(place.x_px), y = static_cast<int>(place.y_px);
+    const Layer& source = panorama.layers[layer - 1];
+    ASSERT_NEAR(place.x_px, x + 0.5, 1e-3);
+    ASSERT_NEAR(place.y_px, y + 0.5, 1e-3);
+    ASSERT_NEAR(place.inverse_depth, panorama.grid.inverse_depth(source.depth.disparity(x, y)), 1e-5);
+    ASSERT_EQ((Rgb{file[at + 12], file[at + 13], file[at + 14]}), source.colour.at(x, y));
+  }
+  EXPECT_GT(of_layer[2], 0);
+}
+
+TEST(ExportLayers, PicturesAndDisparitiesOfEveryLayerAreThere) {
+  const LayeredPanorama panorama = synthetic_panorama({60, 40, 8, 3, true});
+  const std::vector<ExportedFile> files = export_layers(panorama);
+  ASSERT_EQ(files.size(), 7U);
+  const auto json = nlohmann::json::parse(files.back().bytes);
+  EXPECT_EQ(files.back().name, "layers.json");
+  EXPECT_EQ(json["grid"]["width"], 60);
+  EXPECT_EQ(json["grid"]["near_inverse_depth"], 1.25);
+  EXPECT_EQ(json["cameras"]["frames"].size(), 3U);
+  for (size_t layer = 0; layer < 3; ++layer) {
+    EXPECT_EQ(json["layers"][layer]["image"], files[2 * layer].name);
+    EXPECT_EQ(json["layers"][layer]["disparity"], files[2 * layer + 1].name);
+    EXPECT_EQ(decode_image(files[2 * layer].bytes, "image"), panorama.layers[layer].colour);
+    const DisparityMap map = decode_depth(panorama.layers[layer].depth, panorama.layers[layer].coverage);
+    EXPECT_EQ(files[2 * layer + 1].bytes, encode_png(map));
   }
 }
 

@@ -34,23 +34,54 @@ std::string size_text(size_t bytes) {
   return text;
 }
 
-int run(const ExportCommand& command, const Session& session) {
+bool names_a_folder(const std::string& output) {
+  return output.ends_with('/') || std::filesystem::is_directory(output);
+}
+
+size_t write_layers(const ExportCommand& command, const LayeredPanorama& panorama, const Job& job) {
+  OutputFolder folder(command.output, OutputFolder::Existing::refuse);
+  size_t bytes = 0;
+  for (const ExportedFile& file : export_layers(panorama, job)) {
+    folder.fill([&] { write_file(folder.path() / file.name, file.bytes); });
+    bytes += file.bytes.size();
+  }
+  job.check();
+  folder.keep();
+  return bytes;
+}
+
+void check_output(const ExportCommand& command) {
+  if (names_a_folder(command.output)) {
+    const OutputFolder refused_before_the_file_is_read(command.output, OutputFolder::Existing::refuse);
+    return;
+  }
   try {
     check_export_name(command.output);
   } catch (const std::runtime_error& error) {
     throw BadInput(error.what());
   }
   check_output_file(command.output, exported_kind(command.output));
+}
+
+size_t write_exported(const ExportCommand& command, const LayeredPanorama& panorama, const MappedFile& mapped,
+                      const Job& job) {
+  if (names_a_folder(command.output)) return write_layers(command, panorama, job);
+  const std::vector<uint8_t> exported = export_as(command.output, panorama, mapped.bytes(), command.options, job);
+  job.check();
+  write_output(command.output, exported);
+  return exported.size();
+}
+
+int run(const ExportCommand& command, const Session& session) {
+  check_output(command);
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
   check_input_file(command.input.file);
   const MappedFile mapped(command.input.file);
   const LayeredPanorama panorama = decode_panorama(command.input, mapped.bytes(), kExporting, job);
-  const std::vector<uint8_t> exported = export_as(command.output, panorama, mapped.bytes(), command.options, job);
-  job.check();
-  write_output(command.output, exported);
+  const size_t bytes = write_exported(command, panorama, mapped, job);
   bar.reset();
-  if (!session.json) std::printf("%s: %s\n", command.output.c_str(), size_text(exported.size()).c_str());
+  if (!session.json) std::printf("%s: %s\n", command.output.c_str(), size_text(bytes).c_str());
   return kDone;
 }
 
@@ -58,11 +89,13 @@ int run(const ExportCommand& command, const Session& session) {
 
 void add_export(Program& program) {
   auto command = std::make_shared<ExportCommand>();
-  CLI::App& app = add_command(program, "export", "A flat panorama, a mesh, a viewer or the cameras, by extension",
+  CLI::App& app = add_command(program, "export",
+                              "A flat panorama, a mesh, points, a viewer, the cameras or layered images, by extension",
                               [command](const Session& session) { return run(*command, session); });
   add_panorama_input(app, command->input);
   app.add_option("-o,--output", command->output,
-                 ".jpg or .png: flat panorama; .glb: textured mesh; .html: viewer; .json: cameras as transforms.json")
+                 ".jpg or .png: flat panorama; .glb: textured mesh; .ply: points; .html: viewer; .json: cameras as "
+                 "transforms.json; a folder (DIR/): layered images")
       ->required();
   app.add_flag("--plain", command->options.plain, "A .glb for readers of bare glTF: several times as large");
   app.add_option("--quality", command->options.quality, "Of JPEG images")
