@@ -156,6 +156,14 @@ JpegSegment xmp_segment(const std::string& xmp) {
   return segment;
 }
 
+std::string packet(const std::string& namespaces, const std::string& fields) {
+  return "<?xpacket begin=\"\xEF\xBB\xBF\" id=\"W5M0MpCehiHzreSzNTczkc9d\"?>\n"
+         "<x:xmpmeta xmlns:x=\"adobe:ns:meta/\">\n <rdf:RDF "
+         "xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\">\n"
+         "  <rdf:Description rdf:about=\"\" " +
+         namespaces + "\n" + fields + "  />\n </rdf:RDF>\n</x:xmpmeta>\n<?xpacket end=\"w\"?>";
+}
+
 }  // namespace
 
 FlatPanorama flatten(const LayeredPanorama& panorama) {
@@ -190,22 +198,34 @@ std::string gpano_xmp(const FlatPanorama& flat, const LayeredPanorama& panorama)
   field("InitialViewHeadingDegrees", "180");
   field("SourcePhotosCount", std::to_string(panorama.cameras.size()));
   field("StitchingSoftware", value_of(panorama, "software").substr(0, 1000));
-  return "<?xpacket begin=\"\xEF\xBB\xBF\" id=\"W5M0MpCehiHzreSzNTczkc9d\"?>\n"
-         "<x:xmpmeta xmlns:x=\"adobe:ns:meta/\">\n <rdf:RDF "
-         "xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\">\n"
-         "  <rdf:Description rdf:about=\"\" xmlns:GPano=\"http://ns.google.com/photos/1.0/panorama/\"\n" +
-         fields + "  />\n </rdf:RDF>\n</x:xmpmeta>\n<?xpacket end=\"w\"?>";
+  return packet("xmlns:GPano=\"http://ns.google.com/photos/1.0/panorama/\"", fields);
+}
+
+std::string stereo_xmp(const LayeredPanorama& panorama) {
+  const std::string software = escaped(value_of(panorama, "software").substr(0, 1000));
+  return packet(
+      "xmlns:GPano=\"http://ns.google.com/photos/1.0/panorama/\" "
+      "xmlns:GSpherical=\"http://ns.google.com/videos/1.0/spherical/\"",
+      "   GPano:ProjectionType=\"equirectangular\"\n   GPano:StitchingSoftware=\"" + software +
+          "\"\n   GSpherical:Spherical=\"true\"\n   GSpherical:Stitched=\"true\"\n"
+          "   GSpherical:ProjectionType=\"equirectangular\"\n   GSpherical:StereoMode=\"top-bottom\"\n");
+}
+
+std::vector<uint8_t> picture_file(const std::string& ending, const RgbImage& image, const std::string& xmp,
+                                  const LayeredPanorama& panorama, int jpeg_quality) {
+  if (ending == ".png") return encode_png(image, xmp);
+  const std::vector<JpegSegment> segments = {exif_segment(panorama), xmp_segment(xmp)};
+  return encode_jpeg(image, jpeg_quality, segments);
 }
 
 std::vector<uint8_t> export_jpeg(const LayeredPanorama& panorama, const ExportOptions& options) {
   const FlatPanorama flat = flatten(panorama);
-  const std::vector<JpegSegment> segments = {exif_segment(panorama), xmp_segment(gpano_xmp(flat, panorama))};
-  return encode_jpeg(flat.image, options.quality, segments);
+  return picture_file(".jpg", flat.image, gpano_xmp(flat, panorama), panorama, options.quality);
 }
 
 std::vector<uint8_t> export_png(const LayeredPanorama& panorama) {
   const FlatPanorama flat = flatten(panorama);
-  return encode_png(flat.image, gpano_xmp(flat, panorama));
+  return picture_file(".png", flat.image, gpano_xmp(flat, panorama), panorama, 0);
 }
 
 }  // namespace ldp

@@ -1,7 +1,9 @@
 // The front layer resampled to equal angles, and which part of the sphere it shows.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/panorama/panorama.h"
 
@@ -17,5 +19,12 @@ FlatPanorama flatten(const LayeredPanorama& panorama);
 
 // The XMP packet with GPano's description of the image.
 std::string gpano_xmp(const FlatPanorama& flat, const LayeredPanorama& panorama);
+
+// Of two whole spheres, one above the other: GPano's projection and, as players look for it, GSpherical's stereo mode.
+std::string stereo_xmp(const LayeredPanorama& panorama);
+
+// The file's bytes by its ending, .png or JPEG, with a packet of metadata.
+std::vector<uint8_t> picture_file(const std::string& ending, const RgbImage& image, const std::string& xmp,
+                                  const LayeredPanorama& panorama, int jpeg_quality);
 
 }  // namespace ldp

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/captures/transforms.h"
+#include "core/export/equirectangular.h"
 
 namespace ldp {
 namespace {
@@ -28,7 +29,29 @@ Form form_of(const std::filesystem::path& file) {
 
 std::vector<uint8_t> bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
 
+std::vector<uint8_t> stereo_file(const std::string& ending, const LayeredPanorama& panorama, const Renderer& renderer,
+                                 const Viewer& viewer, int jpeg_quality, const Job& job) {
+  const auto [left, right] = see_around_in_stereo(panorama, renderer, viewer, job);
+  return picture_file(ending, top_bottom(left, right), stereo_xmp(panorama), panorama, jpeg_quality);
+}
+
 }  // namespace
+
+std::vector<uint8_t> export_seen(const std::filesystem::path& file, LayeredPanorama&& panorama, Kind kind,
+                                 const Viewer& viewer, const ExportOptions& options, const Job& job) {
+  const Form form = form_of(file);
+  if (form != Form::jpeg && form != Form::png)
+    throw std::runtime_error(file.string() + ": what is seen from a place is a picture: .jpg or .png");
+  const std::string ending = form == Form::png ? ".png" : ".jpg";
+  LayeredPanorama frame;
+  frame.grid = panorama.grid;
+  frame.cameras = panorama.cameras;
+  frame.metadata = panorama.metadata;
+  const Renderer renderer(std::move(panorama));
+  if (kind == Kind::stereo) return stereo_file(ending, frame, renderer, viewer, options.quality, job);
+  const FlatPanorama flat = see_around(frame, renderer, viewer.at, job);
+  return picture_file(ending, flat.image, gpano_xmp(flat, frame), frame, options.quality);
+}
 
 void check_export_name(const std::filesystem::path& file) { form_of(file); }
 

@@ -13,7 +13,8 @@
 //   of
 //               inverse depth, 65535 = nothing there), on the grid that layers.json tells, with the cameras
 //
-// A pushbroom panorama flattened is what it is: every column seen from its own place of the arc.
+// A pushbroom panorama flattened is what it is: every column seen from its own place of the arc. What an eye, or two,
+// see from one place is rendered from the layers: export_seen.
 #pragma once
 
 #include <cstdint>
@@ -23,9 +24,13 @@
 #include <vector>
 
 #include "core/base/job.h"
+#include "core/export/around.h"
 #include "core/panorama/panorama.h"
 
 namespace ldp {
+
+// Seen all around from a place (around.h): by one eye; by two, a whole sphere for each, the left one's above.
+enum class Kind : uint8_t { panorama, stereo };
 
 struct ExportOptions {
   int quality = 90;    // of JPEG images, 1 .. 100; WebP textures look alike
@@ -34,6 +39,9 @@ struct ExportOptions {
 
 std::vector<uint8_t> export_jpeg(const LayeredPanorama& panorama, const ExportOptions& options);
 std::vector<uint8_t> export_png(const LayeredPanorama& panorama);
+// Of .jpg or .png by the file's ending.
+std::vector<uint8_t> export_seen(const std::filesystem::path& file, LayeredPanorama&& panorama, Kind kind,
+                                 const Viewer& viewer, const ExportOptions& options = {}, const Job& job = {});
 std::vector<uint8_t> export_glb(const LayeredPanorama& panorama, const ExportOptions& options, const Job& job = {});
 std::vector<uint8_t> export_ply(const LayeredPanorama& panorama, const Job& job = {});
 std::string export_html(std::span<const uint8_t> ldp_file);

@@ -4,11 +4,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/files.h"
 #include "core/export/export.h"
 #include "core/photos/images.h"
 #include "device/tool/commands.h"
+#include "device/tool/number_within.h"
 #include "device/tool/output.h"
 #include "device/tool/own_output.h"
 #include "device/tool/panorama_input.h"
@@ -21,10 +23,17 @@ struct ExportCommand {
   PanoramaInput input;
   std::string output;
   ExportOptions options;
+  std::string kind;
+  std::vector<double> at;
+  Viewer viewer;
 };
 
 // Measured: the pictures and the viewer take up to 5 bytes a pixel, a mesh 45 for each point of it.
 constexpr BytesBeside kExporting{.per_pixel = 5, .per_present_pixel = 64, .always = 16 << 20};
+
+// A picture from a place takes what rendering takes, and its own bands.
+constexpr BytesBeside kSeeing{
+    .per_pixel = kMeshBytesPerPixel + 12, .per_present_pixel = kMeshBytesPerPresentPixel, .always = kMeshBytesAlways};
 
 std::string size_text(size_t bytes) {
   char text[32];
@@ -33,6 +42,15 @@ std::string size_text(size_t bytes) {
                 kilobytes < 1000 ? kilobytes : kilobytes / 1e3);
   return text;
 }
+
+Viewer viewer_of(const ExportCommand& command) {
+  Viewer viewer = command.viewer;
+  if (!command.at.empty()) viewer.at = {command.at[0], command.at[1], command.at[2]};
+  return viewer;
+}
+
+// From a place, instead of as it was swept.
+bool is_seen(const ExportCommand& command) { return !command.kind.empty() || !command.at.empty(); }
 
 bool names_a_folder(const std::string& output) {
   return output.ends_with('/') || std::filesystem::is_directory(output);
@@ -51,6 +69,8 @@ size_t write_layers(const ExportCommand& command, const LayeredPanorama& panoram
 }
 
 void check_output(const ExportCommand& command) {
+  if (is_seen(command) && (names_a_folder(command.output) || exported_kind(command.output) != OutputKind::picture))
+    throw BadInput(command.output + ": what is seen from a place is a picture: .jpg or .png");
   if (names_a_folder(command.output)) {
     const OutputFolder refused_before_the_file_is_read(command.output, OutputFolder::Existing::refuse);
     return;
@@ -63,10 +83,14 @@ void check_output(const ExportCommand& command) {
   check_output_file(command.output, exported_kind(command.output));
 }
 
-size_t write_exported(const ExportCommand& command, const LayeredPanorama& panorama, const MappedFile& mapped,
+size_t write_exported(const ExportCommand& command, LayeredPanorama&& panorama, const MappedFile& mapped,
                       const Job& job) {
   if (names_a_folder(command.output)) return write_layers(command, panorama, job);
-  const std::vector<uint8_t> exported = export_as(command.output, panorama, mapped.bytes(), command.options, job);
+  const Kind kind = command.kind == "stereo" ? Kind::stereo : Kind::panorama;
+  const std::vector<uint8_t> exported =
+      is_seen(command)
+          ? export_seen(command.output, std::move(panorama), kind, viewer_of(command), command.options, job)
+          : export_as(command.output, panorama, mapped.bytes(), command.options, job);
   job.check();
   write_output(command.output, exported);
   return exported.size();
@@ -78,8 +102,9 @@ int run(const ExportCommand& command, const Session& session) {
   const Job job = start_job(session, *bar);
   check_input_file(command.input.file);
   const MappedFile mapped(command.input.file);
-  const LayeredPanorama panorama = decode_panorama(command.input, mapped.bytes(), kExporting, job);
-  const size_t bytes = write_exported(command, panorama, mapped, job);
+  const BytesBeside& beside = is_seen(command) ? kSeeing : kExporting;
+  LayeredPanorama panorama = decode_panorama(command.input, mapped.bytes(), beside, job);
+  const size_t bytes = write_exported(command, std::move(panorama), mapped, job);
   bar.reset();
   if (!session.json) std::printf("%s: %s\n", command.output.c_str(), size_text(bytes).c_str());
   return kDone;
@@ -97,6 +122,20 @@ void add_export(Program& program) {
                  ".jpg or .png: flat panorama; .glb: textured mesh; .ply: points; .html: viewer; .json: cameras as "
                  "transforms.json; a folder (DIR/): layered images")
       ->required();
+  app.add_option(
+         "--kind", command->kind,
+         "Of a .jpg or .png: panorama, all that one eye sees from a place; stereo, what two eyes see that turn "
+         "with the head, the left one's sphere above the right one's. Left out: the front layer as it was swept")
+      ->check(CLI::IsMember({"panorama", "stereo"}));
+  app.add_option("--at", command->at,
+                 "X,Y,Z: the place, from the turn's axis: towards the sweep's middle, to its left, up; in the unit of "
+                 "the capture, metres unless cameras were given")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(number_within(-1e6, 1e6));
+  app.add_option("--eyes", command->viewer.eyes, "Their distance, in the same unit")
+      ->check(number_within(0, 1e6))
+      ->capture_default_str();
   app.add_flag("--plain", command->options.plain, "A .glb for readers of bare glTF: several times as large");
   app.add_option("--quality", command->options.quality, "Of JPEG images")
       ->check(CLI::Range(1, 100))
