@@ -50,4 +50,7 @@ int columns_of_colour(const PanoramaGrid& grid, const std::vector<Camera>& camer
 // The same panorama with `times` as many columns.
 PanoramaGrid with_finer_columns(PanoramaGrid grid, int times);
 
+// The part from column x and row y on; one that wraps has all columns.
+PanoramaGrid part_of(PanoramaGrid grid, int x, int y, int width, int height);
+
 }  // namespace ldp

@@ -244,4 +244,12 @@ PanoramaGrid with_finer_columns(PanoramaGrid grid, int times) {
   return grid;
 }
 
+PanoramaGrid part_of(PanoramaGrid grid, int x, int y, int width, int height) {
+  grid.theta_left = grid.theta(x);
+  grid.v_top = grid.v(y);
+  grid.width = width;
+  grid.height = height;
+  return grid;
+}
+
 }  // namespace ldp

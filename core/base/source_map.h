@@ -40,6 +40,14 @@ class SourceMap {
       wide_.at(x, y) = static_cast<uint16_t>(source);
   }
 
+  // From column x and row y on.
+  SourceMap part(int x, int y, int width, int height) const {
+    SourceMap result(width, height, wide_.empty() ? kMostNarrow : kMostSources);
+    for (int j = 0; j < height; ++j)
+      for (int i = 0; i < width; ++i) result.set(i, j, at(x + i, y + j));
+    return result;
+  }
+
  private:
   static constexpr uint8_t kNarrowNone = 255;
   Plane<uint8_t> narrow_;

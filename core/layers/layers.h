@@ -45,7 +45,7 @@ void add_layer(const PanoramaGrid& grid, const DisparityMap& layer, const std::v
 // The farthest disparity within `reach_px` of each pixel: what is left of surfaces well inside their outlines, and so
 // surely hides what lies behind. (Windows of matching make near surfaces a few pixels too wide.)
 DisparityMap without_silhouettes(const DisparityMap& layer, int reach_px);
-// The nearest one: surfaces that are wider by so much. Of a dense layer.
+// The nearest one: surfaces that are wider by so much.
 DisparityMap widened(const DisparityMap& layer, int reach_px);
 
 enum Want : uint8_t { kUnwanted = 0, kWanted = 1, kBoundary = 2 };

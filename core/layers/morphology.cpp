@@ -28,7 +28,10 @@ DisparityMap without_silhouettes(const DisparityMap& layer, int reach_px) {
 }
 
 DisparityMap widened(const DisparityMap& layer, int reach_px) {
-  return chosen_within(layer, reach_px, [](uint16_t a, uint16_t b) { return std::max(a, b); });
+  // Where a pixel is absent it is what lies beside it.
+  return chosen_within(layer, reach_px, [](uint16_t a, uint16_t b) {
+    return a == kNoDisparity || b == kNoDisparity ? std::min(a, b) : std::max(a, b);
+  });
 }
 
 }  // namespace ldp

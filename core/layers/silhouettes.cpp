@@ -111,6 +111,7 @@ class OutlineFitter {
     int balance = 1;  // the pixel itself is among its own kind
     for_window(x, y, [&](int nx, int ny) {
       const int d = layer_.at(nx, ny);
+      if (d == kNoDisparity) return;
       balance += std::abs(d - own) < std::abs(d - farther) ? -1 : 1;
     });
     const int near_cost = cost_of_window(x, y, own);

@@ -11,10 +11,12 @@
 #include "core/consistency/consistency.h"
 #include "core/layers/layers.h"
 #include "core/pipeline/code_layers.h"
+#include "core/pipeline/crop.h"
 #include "core/pipeline/debug_pictures.h"
 #include "core/pipeline/grid_layout.h"
 #include "core/pipeline/pipeline_tuning.h"
 #include "core/pipeline/pose_evidence.h"
+#include "core/pipeline/seen_part.h"
 #include "core/pipeline/stage_order.h"
 #include "core/pipeline/stopwatch.h"
 #include "core/rectify/rectify.h"
@@ -76,6 +78,15 @@ class Build {
     grid_ = layout_->grid();
     columns_of_colour_ = layout_->columns_of_colour();
     watch_.lap("depth range");
+    if (parallax()) leave_out_unseen();
+  }
+
+  // What no photograph sees is neither swept nor solved.
+  void leave_out_unseen() {
+    SeenPart part = find_seen_part(upright_, grid_, job_);
+    grid_ = part_of(grid_, part.box.x, part.box.y, part.box.width, part.box.height);
+    seen_ = std::move(part.mask);
+    watch_.lap("seen part");
   }
 
   bool parallax() const { return has_parallax(poses_); }
@@ -132,8 +143,8 @@ class Build {
     SweepOptions options = sweep_options();
     options.points = &poses_.points;
     const CostVolume sweep(upright_, grid_, hiding, DisparityMap(), options);
-    const Plane<uint8_t> labels = solve(sweep, Plane<uint8_t>(), name);
-    DisparityMap disparity = refine(sweep, labels, {}, job_);
+    const Plane<uint8_t> labels = solve(sweep, seen_, name);
+    DisparityMap disparity = refine(sweep, labels, seen_, job_);
     watch_.lap("refine");
     return disparity;
   }
@@ -253,6 +264,7 @@ class Build {
   BuildResult assemble() {
     BuildResult result;
     LayeredPanorama& panorama = result.panorama;
+    grid_ = crop_to_seen(grid_, {layers_, sources_, neighbours_});
     panorama.grid = grid_;
     panorama.cameras = poses_.cameras;
     panorama.limits = viewing_limits();
@@ -325,6 +337,7 @@ class Build {
   PanoramaGrid grid_;
   int columns_of_colour_ = 1;  // to each of the columns in which depths are found
   std::vector<UprightFrame> upright_;
+  Plane<uint8_t> seen_;                       // the grid's part that some photo may see; empty: all of it
   bool last_ = true;                          // is this the last iteration?
   std::vector<DisparityMap> layers_, found_;  // of the last iteration that ended, of the present one
   std::vector<VisibilityMap> visibility_;     // of all layers; empty for one far layer

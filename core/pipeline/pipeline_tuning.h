@@ -7,6 +7,10 @@ constexpr double kCoarser = 1.05, kCoarsest = 3;  // steps of the panorama's pit
 // Photos' rows to a row of the panorama where the camera walked along its line of sight, from 1: what such photos share
 // is seen at ever other scales, every one of them sees most of it, and the verdict is to sweep again.
 constexpr double kWalkPitch = 2.5;
+// Share of a grid, one by this, that no photo sees and that is worth leaving out of the sweep: other windows of the
+// solver give other depths, as good but for chance.
+constexpr int kWorthLeavingOut = 4;
+constexpr int kLeastSeen = 20;  // rows and columns at the sides are cut of which less than one by this is seen
 constexpr double kFull = 0.75;  // share of the memory allowed at which large arrays are let go: it takes a moment
 // Message passing and expansion of every cut. As many cycles as find something take longer for views as good.
 constexpr int kIterations = 4, kCycles = 1;
