@@ -23,6 +23,8 @@ void check(const CameraPathOptions& options) {
   within("width", options.width, 1, 1 << 14);
   within("height", options.height, 1, 1 << 14);
   within("view_rad", options.view_rad, 0, 3);
+  within("zoom", options.zoom, 1, 100);
+  within("reach", options.reach, 0, 1);
 }
 
 double middle_depth(const LayeredPanorama& panorama) {
@@ -33,7 +35,7 @@ double middle_depth(const LayeredPanorama& panorama) {
 // What all cameras of a path share.
 struct Stage {
   const Arc& arc;
-  double radius, middle_theta, tilt_v;
+  double radius, middle_theta, tilt_v, reach, turn_rad;
   Intrinsics intrinsics;
 };
 
@@ -48,7 +50,7 @@ Intrinsics make_intrinsics(const LayeredPanorama& panorama, const CameraPathOpti
   double focal = options.width / (2 * std::tan(view_rad / 2));
   // Off the arc near things need rays beyond those of the arc itself: leave an eighth of the rows to spare.
   const double rows = 0.5 * grid.height * grid.v_pitch;
-  focal = std::max(focal, options.height / (2 * 0.875 * rows));
+  focal = options.zoom * std::max(focal, options.height / (2 * 0.875 * rows));
   return {options.width, options.height, focal, focal, 0.5 * options.width, 0.5 * options.height};
 }
 
@@ -57,20 +59,27 @@ Stage make_stage(const LayeredPanorama& panorama, const CameraPathOptions& optio
   const Arc& arc = grid.arc;
   const bool covered = arc.theta_end > arc.theta_begin;
   const double middle = covered ? 0.5 * (arc.theta_begin + arc.theta_end) : grid.theta(0.5 * grid.width);
-  return {arc, arc.radius > 0 ? arc.radius : 1, middle, grid.v(0.5 * grid.height), make_intrinsics(panorama, options)};
+  return {arc,
+          arc.radius > 0 ? arc.radius : 1,
+          middle,
+          grid.v(0.5 * grid.height) + options.rise,
+          options.reach,
+          options.turn_rad,
+          make_intrinsics(panorama, options)};
 }
 
 Camera look(const Stage& stage, const Eigen::Vector3d& centre, const Eigen::Vector3d& direction) {
   Camera camera;
   camera.intrinsics = stage.intrinsics;
-  const Eigen::Vector3d forward = direction.normalized(), right = forward.cross(stage.arc.axis()).normalized();
+  const Eigen::Vector3d forward = Eigen::AngleAxisd(-stage.turn_rad, stage.arc.axis()) * direction.normalized(),
+                        right = forward.cross(stage.arc.axis()).normalized();
   camera.pose.world_from_camera << right, forward.cross(right), forward;
   camera.pose.centre = centre;
   return camera;
 }
 
 Camera sway(const LayeredPanorama& panorama, const Stage& stage, double phase) {
-  const double reach = std::min(0.5, 0.5 * (stage.arc.theta_end - stage.arc.theta_begin)) * stage.radius;
+  const double reach = std::min(0.5, 0.5 * (stage.arc.theta_end - stage.arc.theta_begin)) * stage.radius * stage.reach;
   const Eigen::Vector3d ahead = stage.arc.outward(stage.middle_theta);
   const Eigen::Vector3d side = ahead.cross(stage.arc.axis());
   const Eigen::Vector3d base = stage.arc.centre + stage.radius * ahead;
@@ -81,7 +90,7 @@ Camera sway(const LayeredPanorama& panorama, const Stage& stage, double phase) {
 
 Camera walk(const Stage& stage, double share) {
   const Arc& arc = stage.arc;
-  const double eased = arc.closed ? share : share * share * (3 - 2 * share);
+  const double eased = arc.closed ? share : 0.5 + stage.reach * (share * share * (3 - 2 * share) - 0.5);
   const bool covered = arc.theta_end > arc.theta_begin;
   const double theta = covered ? arc.theta_end + eased * (arc.theta_begin - arc.theta_end) : stage.middle_theta;
   const Eigen::Vector3d ahead = arc.outward(theta);
@@ -93,7 +102,10 @@ Camera dolly(const ViewingLimits& limits, const Stage& stage, double phase) {
   const double inner = limited ? std::max(0.0, limits.inner_radius) : 0;
   const double outer = limited ? limits.outer_radius : 1.25 * stage.radius;
   const Eigen::Vector3d ahead = stage.arc.outward(stage.middle_theta);
-  const double at = 0.5 * (inner + outer) + 0.5 * (outer - inner) * std::sin(phase);
+  // A shorter way leads to and fro about the arc, where the photos were taken.
+  const double home = std::clamp(stage.radius, inner, outer), wide = 0.5 * (inner + outer);
+  const double middle = home + stage.reach * (wide - home);
+  const double at = middle + stage.reach * 0.5 * (outer - inner) * std::sin(phase);
   return look(stage, stage.arc.centre + at * ahead, ahead + stage.tilt_v * stage.arc.axis());
 }
 

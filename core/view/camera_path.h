@@ -23,6 +23,9 @@ struct CameraPathOptions {
   int frames = 90;  // 1 .. 100000
   int width = 800, height = 600;
   double view_rad = 0;  // horizontal field of view; 0: that of the first source camera, or 60 degrees
+  // How the path is framed (framing.h): focal length in parts of what view_rad tells, from 1; share of the way from its
+  // middle, 0 .. 1; all views turned clockwise [rad] and raised, as a slope.
+  double zoom = 1, reach = 1, turn_rad = 0, rise = 0;
 };
 
 std::vector<Camera> camera_path(const LayeredPanorama& panorama, const CameraPathOptions& options);

@@ -25,6 +25,15 @@ constexpr float kBridgeShare = 0.1F;  // of its inverse depth by which the other
 constexpr int kMostMirrored = 160;    // rows of a surface that its continuation shows again, there and back; 1 ..
 constexpr double kMostOfRows = 0.5;   // of the panorama's, that are made up at either end; 0 .. 1
 
+// Framing of camera paths (framing.h). Views along the path that are looked at, and their width; share of their pixels
+// that may show nothing; the closest view, in parts of its focal length, and the steps in which it is found; the shares
+// of its way that a path keeps, of which the first is taken that is framed so.
+constexpr int kGlances = 8, kGlancePx = 128;
+constexpr double kUnseen = 0.004;  // 0 .. 0.1; a little under what full views may have
+constexpr double kClosest = 1.6, kVeryClosest = 4;
+constexpr int kZoomSteps = 4, kAimings = 3;
+constexpr double kReaches[] = {1, 0.7, 0.5, 0.35, 0.2};
+
 // Inpainting (inpainting.h).
 constexpr int kSolidAlpha = 250;  // rounding of soft edges that cover each other leaves some pixels just under 255
 constexpr int kRimPx = 2;         // rim pixels are this near to a hole; 1 .. 8

@@ -13,6 +13,7 @@
 
 #include "core/geometry/disparity.h"
 #include "core/view/camera_path.h"
+#include "core/view/framing.h"
 
 namespace ldp {
 namespace {
@@ -497,6 +498,49 @@ TEST(CameraPath, shows_no_rows_beyond_the_panorama) {
     CameraPathOptions options{kind, 5, 160, 160, 2.0};
     for (const Camera& camera : camera_path(panorama, options)) EXPECT_EQ(holes(renderer.render(camera, {})), 0);
   }
+}
+
+// A panorama of which all is seen but a margin on the left, and rows below.
+LayeredPanorama with_margins(const PanoramaGrid& grid) {
+  LayeredPanorama panorama = one_layer(grid, [](double, double) { return 0.2; });
+  panorama.grid.arc.theta_begin = -0.3, panorama.grid.arc.theta_end = 0.3;
+  panorama.limits = {0.2, 0.9, 0.3};
+  for (int y = 0; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x)
+      if (x < grid.width / 3 || y > 3 * grid.height / 4) panorama.layers[0].coverage.at(x, y) = 0;
+  return panorama;
+}
+
+double worst_holes(const LayeredPanorama& panorama, const Renderer& renderer, const CameraPathOptions& path) {
+  double worst = 0;
+  for (const Camera& camera : camera_path(panorama, path))
+    worst = std::max(worst, static_cast<double>(holes(renderer.render(camera, {}))) / (path.width * path.height));
+  return worst;
+}
+
+TEST(Framing, KeepsBordersOutOfViewByTurningZoomingAndShorterWays) {
+  const LayeredPanorama panorama = with_margins(make_grid(Rays::pushbroom, false));
+  const Renderer renderer(panorama);
+  for (const auto kind : {CameraPath::sway, CameraPath::walk, CameraPath::dolly}) {
+    const CameraPathOptions wanted{kind, 12, 160, 120};
+    const CameraPathOptions framed = framed_inside(panorama, renderer, wanted);
+    EXPECT_GT(worst_holes(panorama, renderer, wanted), 0.02);
+    EXPECT_LT(worst_holes(panorama, renderer, framed), 0.01);
+    EXPECT_EQ(framed.frames, 12);
+    EXPECT_EQ(framed.width, 160);
+  }
+}
+
+TEST(Framing, LeavesAFieldOfViewThatWasAskedForAndAPathWithoutHolesAlone) {
+  LayeredPanorama panorama = with_margins(make_grid(Rays::pushbroom, false));
+  CameraPathOptions wanted{CameraPath::sway, 4, 160, 120, 0.9};
+  EXPECT_EQ(framed_inside(panorama, Renderer(panorama), wanted).zoom, 1);
+  for (uint8_t& covered : panorama.layers[0].coverage.samples) covered = 1;
+  wanted.view_rad = 0.3;
+  const CameraPathOptions same = framed_inside(panorama, Renderer(panorama), wanted);
+  EXPECT_EQ(same.reach, 1);
+  EXPECT_EQ(same.turn_rad, 0);
+  EXPECT_EQ(same.rise, 0);
 }
 
 TEST(CameraPath, refuses_nonsense_in_words) {

@@ -13,6 +13,7 @@
 #include "core/captures/transforms.h"
 #include "core/photos/images.h"
 #include "core/view/camera_path.h"
+#include "core/view/framing.h"
 #include "device/tool/commands.h"
 #include "device/tool/commands/film.h"
 #include "device/tool/number_within.h"
@@ -34,14 +35,15 @@ struct RenderCommand {
   RenderOptions options;
 };
 
-std::vector<Camera> cameras_of(const RenderCommand& command, const LayeredPanorama& panorama) {
+std::vector<Camera> cameras_of(const RenderCommand& command, const LayeredPanorama& panorama, const Renderer& renderer,
+                               const Job& job) {
   if (!command.cameras.empty()) return read_transforms(command.cameras);
   CameraPathOptions path;
   path.kind = camera_path_from_name(command.path);
   path.frames = command.frames;
   path.view_rad = command.fov_deg * std::numbers::pi / 180;
   if (!command.size.empty()) parse_size(command.size, path.width, path.height);
-  return camera_path(panorama, path);
+  return camera_path(panorama, framed_inside(panorama, renderer, path, job));
 }
 
 void check_stems(const std::vector<Camera>& cameras, const std::string& file) {
@@ -181,12 +183,12 @@ int run(const RenderCommand& command, const Session& session) {
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
   const LayeredPanorama panorama = read_panorama(command.input, kRendering, job);
-  const std::vector<Camera> cameras = cameras_of(command, panorama);
+  const Renderer renderer(panorama);
+  const std::vector<Camera> cameras = cameras_of(command, panorama, renderer, job);
   if (cameras.empty()) throw BadInput(command.cameras + ": has no frames: add the cameras to render");
   for (const Camera& camera : cameras) check_view(command, camera);
   check_stems(cameras, command.cameras);
   if (!names_a_film(command.output)) keep_photos(command, cameras);
-  const Renderer renderer(panorama);
   const Totals totals = names_a_film(command.output) ? render_film(command, renderer, cameras, job)
                                                      : render_pictures(command, renderer, cameras, job);
   bar.reset();
