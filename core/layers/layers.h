@@ -45,8 +45,6 @@ void add_layer(const PanoramaGrid& grid, const DisparityMap& layer, const std::v
 // The farthest disparity within `reach_px` of each pixel: what is left of surfaces well inside their outlines, and so
 // surely hides what lies behind. (Windows of matching make near surfaces a few pixels too wide.)
 DisparityMap without_silhouettes(const DisparityMap& layer, int reach_px);
-// The nearest one: surfaces that are wider by so much.
-DisparityMap widened(const DisparityMap& layer, int reach_px);
 
 enum Want : uint8_t { kUnwanted = 0, kWanted = 1, kBoundary = 2 };
 
@@ -80,10 +78,13 @@ void fit_outlines(const PanoramaGrid& grid, const std::vector<UprightFrame>& fra
                   DisparityMap& layer);
 
 // Fuses depth maps (proposal_fusion.cpp): where `proposal` has another surface than the layer, the layer takes it over
-// if the photographs, compared with each other over both, contradict it less. That is decided for all of a square of
-// `cell_px` pixels at once, but for what is nearer and what is farther apart.
+// if the photographs, compared with each other over both, contradict it less: summed over the pixels within `reach_px`
+// of it, both ways, that would come nearer, or of those that would go farther, as it does.
 void fuse_proposal(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const DisparityMap& proposal,
-                   int cell_px, const Job& job, DisparityMap& layer);
+                   int reach_px, const Job& job, DisparityMap& layer);
+
+// What lies `right` and `down` pixels from each pixel (of the panorama's edge, beyond it).
+DisparityMap shifted(const PanoramaGrid& grid, const DisparityMap& layer, int right, int down);
 
 // Removes connected parts of fewer than `least` pixels: they cost much to store, and a renderer lets the background go
 // on there.

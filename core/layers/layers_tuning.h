@@ -27,5 +27,7 @@ constexpr int kWitnessNoise = 2;                          // grey levels that sa
 constexpr int kWitnessMostDiffer = 24;                    // grey levels: what differs more is just another surface
 constexpr int kDifferenceSteps = 16;                      // to a grey level
 constexpr int kUnknownDifference = 6 * kDifferenceSteps;  // of what no other camera sees
+// By so much less must all cameras contradict a proposal, summed over what is decided on together: less is noise.
+constexpr int kPreferred = 32 * kDifferenceSteps;
 
 }  // namespace ldp::layers::tuning

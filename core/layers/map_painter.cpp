@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "core/geometry/same_surface.h"
+#include "core/layers/neighbours.h"
+
 namespace ldp::layers {
 namespace {
 
@@ -16,23 +19,26 @@ int first_pixel(double position_px, int limit) {
 
 }  // namespace
 
-Brush::Brush(const PanoramaGrid& on, const DisparityMap& layer) : grid(on), columns(layer.height, layer.width) {
+Brush::Brush(const PanoramaGrid& on, const DisparityMap& layer, const LayersOptions& options)
+    : grid(on), columns(layer.height, layer.width), joined(layer.height, layer.width, 0) {
   for (int x = 0; x <= grid.width; ++x) edges.push_back(heading(grid.theta(x)));
   for (int y = 0; y <= grid.height; ++y) edges_v.push_back(grid.v(y));
   for (int i = 0; i <= 2 * kDisparitySteps; ++i) inverse_depths.push_back(grid.inverse_depth(0.5 * i));
   for (int y = 0; y < layer.height; ++y)
     for (int x = 0; x < layer.width; ++x) columns.at(y, x) = layer.at(x, y);
+  const SurfaceTolerance<double> connected{parallax_steps(grid, options.connect_px), options.connect_share,
+                                           grid.w_far / std::max(1e-9, grid.w_near - grid.w_far) * kDisparitySteps};
+  for (int x = 0; x < grid.width; ++x) {
+    const int after = neighbour_column(grid, x + 1);
+    if (after < 0) continue;
+    const uint16_t *here = columns.row(x), *next = columns.row(after);
+    for (int y = 0; y < grid.height; ++y)
+      joined.at(y, x) = here[y] != kNoDisparity && next[y] != kNoDisparity && connected.same_surface(here[y], next[y]);
+  }
 }
 
-MapPainter::MapPainter(const Brush& brush, const UprightCamera& camera, const LayersOptions& options,
-                       VisibilityMap& map, const Names* names)
-    : grid_(brush.grid),
-      brush_(brush),
-      projection_(grid_, camera),
-      connected_{parallax_steps(grid_, options.connect_px), options.connect_share,
-                 grid_.w_far / std::max(1e-9, grid_.w_near - grid_.w_far) * kDisparitySteps},
-      map_(map),
-      names_(names) {}
+MapPainter::MapPainter(const Brush& brush, const UprightCamera& camera, VisibilityMap& map, SeenPixels* seen)
+    : grid_(brush.grid), brush_(brush), projection_(grid_, camera), map_(map), seen_(seen) {}
 
 void MapPainter::paint(int x) {
   const Heading left = brush_.edges[static_cast<size_t>(x)], right = brush_.edges[static_cast<size_t>(x) + 1];
@@ -42,14 +48,10 @@ void MapPainter::paint(int x) {
   const int before = neighbour_column(grid_, x - 1), after = neighbour_column(grid_, x + 1);
   const uint16_t *here = brush_.columns.row(x), *to_left = brush_.columns.row(before < 0 ? x : before),
                  *to_right = brush_.columns.row(after < 0 ? x : after);
+  const uint8_t *joined_left = brush_.joined.row(before < 0 ? x : before), *joined_right = brush_.joined.row(x);
   for (int y = 0; y < grid_.height; ++y)
     if (const int d = here[y]; d != kNoDisparity)
-      paint_pixel(sides, x, y, shared_edge(d, to_left[y]), d, shared_edge(d, to_right[y]));
-}
-
-// In half steps.
-int MapPainter::shared_edge(int d, int neighbour) const {
-  return neighbour != kNoDisparity && connected_.same_surface(d, neighbour) ? d + neighbour : 2 * d;
+      paint_pixel(sides, x, y, d + (joined_left[y] ? to_left[y] : d), d, d + (joined_right[y] ? to_right[y] : d));
 }
 
 // May any voxel of this heading appear in the map?
@@ -90,11 +92,10 @@ void MapPainter::paint_pixel(const Sides& sides, int x, int y, int left_half_ste
   const auto depth = static_cast<uint16_t>(std::clamp(w / forward / map_.scale, 1.0, 65535.0));
   for (int column = x0; column < x1; ++column) {
     uint16_t* out = map_.inverse_z.row(column);
-    if (names_) {
-      const uint16_t name = names_->of.at(y, x);
-      uint16_t* seen = names_->seen.row(column);
+    if (seen_) {
+      uint32_t* seen = seen_->row(column);
       for (int at = y0; at < y1; ++at)
-        if (out[at] < depth) seen[at] = name;
+        if (out[at] < depth) seen[at] = static_cast<uint32_t>(x * grid_.height + y);
     }
     for (int at = y0; at < y1; ++at) out[at] = std::max(out[at], depth);
   }

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/same_surface.h"
 #include "core/geometry/voxel_projection.h"
 #include "core/layers/layers.h"
 #include "core/layers/neighbours.h"
@@ -20,21 +19,19 @@ struct Brush {
   std::vector<double> edges_v;
   std::vector<double> inverse_depths;  // of half disparity steps
   Plane<uint16_t> columns;             // the layer's
+  Plane<uint8_t> joined;               // 1 where a pixel is on one surface with the next column's, stored likewise
 
-  Brush(const PanoramaGrid& on, const DisparityMap& layer);
+  Brush(const PanoramaGrid& on, const DisparityMap& layer, const LayersOptions& options);
 };
 
-// Names of the panorama's pixels, to be painted along with their depths: `of` like Brush::columns, `seen` like the map.
-struct Names {
-  const Plane<uint16_t>& of;
-  Plane<uint16_t>& seen;
-};
+// Which of the panorama's pixels each of a map's pixels shows, stored like the map: column times height, plus row.
+using SeenPixels = Plane<uint32_t>;
+constexpr uint32_t kSeesNothing = 0xFFFFFFFF;
 
 class MapPainter {
  public:
-  // `names` may be null.
-  MapPainter(const Brush& brush, const UprightCamera& camera, const LayersOptions& options, VisibilityMap& map,
-             const Names* names = nullptr);
+  // `seen` may be null.
+  MapPainter(const Brush& brush, const UprightCamera& camera, VisibilityMap& map, SeenPixels* seen = nullptr);
 
   // One column of the layer.
   void paint(int x);
@@ -44,7 +41,6 @@ class MapPainter {
     VoxelProjection::Column left, right;
   };
 
-  int shared_edge(int d, int neighbour) const;
   bool in_view(Heading h) const;
   bool beside_view(const Sides& sides) const;
   void paint_pixel(const Sides& sides, int x, int y, int left_half_steps, int d, int right_half_steps);
@@ -52,9 +48,8 @@ class MapPainter {
   const PanoramaGrid& grid_;
   const Brush& brush_;
   VoxelProjection projection_;
-  SurfaceTolerance<double> connected_;  // in disparity steps
   VisibilityMap& map_;
-  const Names* names_;
+  SeenPixels* seen_;
 };
 
 VisibilityMap empty_map(const PanoramaGrid& grid, const UprightCamera& camera, const LayersOptions& options);

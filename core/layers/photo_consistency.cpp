@@ -1,6 +1,7 @@
 #include "core/layers/photo_consistency.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "core/base/exact_math.h"
 #include "core/layers/layers_tuning.h"
@@ -38,6 +39,12 @@ bool has_neighbours(const UprightFrame& frame, Place at) {
 
 int apart(const GreyImage& a, Place in_a, const GreyImage& b, Place in_b) {
   return std::max(outside(a.row(in_a.x)[in_a.y], b, in_b.x, in_b.y), outside(b.row(in_b.x)[in_b.y], a, in_a.x, in_a.y));
+}
+
+// Half a pixel around or not.
+int farthest_apart(const UprightFrame& a, Place in_a, const UprightFrame& b, Place in_b) {
+  return std::abs(a.columns.row(in_a.x)[in_a.y] - b.columns.row(in_b.x)[in_b.y]) +
+         std::abs(a.tint.row(in_a.x)[in_a.y] - b.tint.row(in_b.x)[in_b.y]);
 }
 
 }  // namespace
@@ -100,10 +107,11 @@ int PhotoConsistency::difference(size_t k, int x, int y, const std::vector<Visib
     if (!has_neighbours(other, there)) continue;
     if (map.inverse_z.row(there.x)[there.y] > std::min(inverse_z / forward / map.scale, 65535.0) + map.tolerance)
       continue;
+    ++views;
+    if (farthest_apart(own, {x, y}, other, there) <= kWitnessNoise) continue;
     const int differ =
         apart(own.columns, {x, y}, other.columns, there) + apart(own.tint, {x, y}, other.tint, there) - kWitnessNoise;
     sum += std::clamp(differ, 0, kWitnessMostDiffer) * kDifferenceSteps;
-    ++views;
   }
   return views == 0 ? kUnknownDifference : sum / views;
 }

@@ -2,14 +2,15 @@
 // chosen by what every camera sees under both instead of by an energy of rays: only so does a surface pay for what it
 // hides.)
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
-#include <functional>
 #include <iterator>
 #include <vector>
 
 #include "core/layers/layers.h"
 #include "core/layers/layers_tuning.h"
 #include "core/layers/map_painter.h"
+#include "core/layers/neighbours.h"
 #include "core/layers/photo_consistency.h"
 
 namespace ldp::layers {
@@ -17,46 +18,33 @@ namespace {
 
 using namespace tuning;
 
-constexpr int kCamerasAtOnce = 4;
-constexpr uint16_t kNoPart = 0xFFFF;
+constexpr size_t kCamerasAtOnce = 4;
 
-// What is decided at once: in each cell of the panorama the pixels at which the proposal is nearer than the layer, and
-// those at which it is farther.
-class Parts {
- public:
-  Parts(const PanoramaGrid& grid, int cell_px, const DisparityMap& layer, const DisparityMap& proposal)
-      : columns(layer.height, layer.width, kNoPart) {
-    while (cells(layer.width, cell_px) * cells(layer.height, cell_px) > kNoPart / 2) ++cell_px;
-    const int across = cells(layer.width, cell_px);
-    count = 2 * static_cast<size_t>(across * cells(layer.height, cell_px));
-    const int tolerance = static_cast<int>(parallax_steps(grid, kFusionApartPx));
-    for (int y = 0; y < layer.height; ++y)
-      for (int x = 0; x < layer.width; ++x) {
-        const int own = layer.at(x, y), other = proposal.at(x, y);
-        if (own == kNoDisparity || other == kNoDisparity || std::abs(own - other) <= tolerance) continue;
-        const int cell = y / cell_px * across + x / cell_px;
-        columns.at(y, x) = static_cast<uint16_t>(2 * cell + (other > own ? 1 : 0));
-      }
-  }
+enum Change : uint8_t { kSame, kNearer, kFarther };
 
-  size_t count = 0;
-  Plane<uint16_t> columns;  // column by column; kNoPart where both are one surface
-
- private:
-  static int cells(int pixels, int cell_px) { return (pixels + cell_px - 1) / cell_px; }
-};
+// What the proposal would change, stored column by column.
+Plane<uint8_t> changes(const PanoramaGrid& grid, const DisparityMap& layer, const DisparityMap& proposal) {
+  Plane<uint8_t> columns(layer.height, layer.width, kSame);
+  const int tolerance = static_cast<int>(parallax_steps(grid, kFusionApartPx));
+  for (int y = 0; y < layer.height; ++y)
+    for (int x = 0; x < layer.width; ++x) {
+      const int own = layer.at(x, y), other = proposal.at(x, y);
+      if (own == kNoDisparity || other == kNoDisparity || std::abs(own - other) <= tolerance) continue;
+      columns.at(y, x) = other > own ? kNearer : kFarther;
+    }
+  return columns;
+}
 
 // One of the two depth maps, as some of the cameras see it.
 class Hypothesis {
  public:
-  Hypothesis(const PanoramaGrid& grid, const DisparityMap& layer, const Parts& parts, size_t cameras)
-      : brush_(grid, layer), parts_(parts), maps_(cameras), seen_(cameras) {}
+  Hypothesis(const PanoramaGrid& grid, const DisparityMap& layer, size_t cameras)
+      : brush_(grid, layer, {}), maps_(cameras), seen_(cameras) {}
 
   void look(size_t camera, const UprightCamera& from) {
     maps_[camera] = empty_map(brush_.grid, from, {});
-    seen_[camera] = Plane<uint16_t>(from.height, from.width, kNoPart);
-    const Names names{parts_.columns, seen_[camera]};
-    MapPainter painter(brush_, from, {}, maps_[camera], &names);
+    seen_[camera] = SeenPixels(from.height, from.width, kSeesNothing);
+    MapPainter painter(brush_, from, maps_[camera], &seen_[camera]);
     for (int x = 0; x < brush_.grid.width; ++x) painter.paint(x);
   }
   void forget(size_t camera) {
@@ -65,41 +53,38 @@ class Hypothesis {
   }
 
   const std::vector<VisibilityMap>& maps() const { return maps_; }
-  const Plane<uint16_t>& parts_seen(size_t camera) const { return seen_[camera]; }
+  const SeenPixels& seen(size_t camera) const { return seen_[camera]; }
 
  private:
   Brush brush_;
-  const Parts& parts_;
   std::vector<VisibilityMap> maps_;
-  std::vector<Plane<uint16_t>> seen_;  // of each camera's pixels, stored as the maps are
+  std::vector<SeenPixels> seen_;
 };
 
-// By how much less the photographs contradict the proposal than the layer, by part. A few cameras at a time, so that
-// only they and their witnesses are kept.
+// By how much less the photographs contradict the proposal than the layer, by pixel of the panorama that changes. A few
+// cameras at a time, so that only they and their witnesses are kept.
 class Comparison {
  public:
-  Comparison(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const Parts& parts,
+  Comparison(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const Plane<uint8_t>& changes,
              const DisparityMap& layer, const DisparityMap& proposal)
       : frames_(frames),
-        parts_(parts),
+        changes_(changes),
         photos_(grid, frames),
-        own_(grid, layer, parts, frames.size()),
-        other_(grid, proposal, parts, frames.size()) {}
+        own_(grid, layer, frames.size()),
+        other_(grid, proposal, frames.size()),
+        gains_(changes.width, changes.height, 0) {}
 
-  std::vector<int64_t> gains(const Job& job) {
-    std::vector<int64_t> sums(parts_.count, 0);
+  // Stored like the changes [1/kDifferenceSteps grey levels].
+  Plane<int32_t> gains(const Job& job) {
     std::vector<size_t> kept;
     for (size_t first = 0; first < frames_.size(); first += kCamerasAtOnce) {
       std::vector<size_t> cameras;
       for (size_t k = first; k < std::min(frames_.size(), first + kCamerasAtOnce); ++k) cameras.push_back(k);
       look(with_witnesses(cameras), kept, job);
-      std::vector<std::vector<int64_t>> of_camera(cameras.size());
       parallel_for(job, static_cast<int>(cameras.size()),
-                   [&](int i) { of_camera[static_cast<size_t>(i)] = gains_in(cameras[static_cast<size_t>(i)]); });
-      for (const std::vector<int64_t>& gains : of_camera)
-        std::transform(sums.begin(), sums.end(), gains.begin(), sums.begin(), std::plus<>());
+                   [&](int i) { add_gains_of(cameras[static_cast<size_t>(i)]); });
     }
-    return sums;
+    return std::move(gains_);
   }
 
  private:
@@ -125,27 +110,70 @@ class Comparison {
     kept = wanted;
   }
 
-  // Over the camera's pixels that show a part under either.
-  std::vector<int64_t> gains_in(size_t camera) const {
-    std::vector<int64_t> gains(parts_.count, 0);
+  // Over the camera's pixels that show a change under either. (Integers: the order of cameras does not matter.)
+  void add_gains_of(size_t camera) {
     const UprightFrame& frame = frames_[camera];
     for (int x = 0; x < frame.camera.width; ++x) {
-      const uint16_t *before = own_.parts_seen(camera).row(x), *after = other_.parts_seen(camera).row(x);
+      const uint32_t *before = own_.seen(camera).row(x), *after = other_.seen(camera).row(x);
       for (int y = frame.valid_begin[static_cast<size_t>(x)]; y < frame.valid_end[static_cast<size_t>(x)]; ++y) {
-        if (before[y] == kNoPart && after[y] == kNoPart) continue;
+        const bool hides = changed(before[y]), shows = changed(after[y]);
+        if (!hides && !shows) continue;
         const int gain =
             photos_.difference(camera, x, y, own_.maps()) - photos_.difference(camera, x, y, other_.maps());
-        if (before[y] != kNoPart) gains[before[y]] += gain;
-        if (after[y] != kNoPart && after[y] != before[y]) gains[after[y]] += gain;
+        if (hides) add(before[y], gain);
+        if (shows && after[y] != before[y]) add(after[y], gain);
       }
     }
-    return gains;
+  }
+
+  bool changed(uint32_t pixel) const { return pixel != kSeesNothing && changes_.samples[pixel] != kSame; }
+  void add(uint32_t pixel, int gain) {
+    std::atomic_ref<int32_t>(gains_.samples[pixel]).fetch_add(gain, std::memory_order_relaxed);
   }
 
   const std::vector<UprightFrame>& frames_;
-  const Parts& parts_;
+  const Plane<uint8_t>& changes_;
   PhotoConsistency photos_;
   Hypothesis own_, other_;
+  Plane<int32_t> gains_;
+};
+
+// Sums of gains over squares, of one kind of change.
+class SquareSums {
+ public:
+  SquareSums(const Plane<int32_t>& gains, const Plane<uint8_t>& changes, Change kind, int reach_px)
+      : gains_(gains),
+        changes_(changes),
+        kind_(kind),
+        reach_px_(reach_px),
+        rows_(static_cast<size_t>(gains.width), 0) {}
+
+  // Calls use(y) for the pixels (x, y) of that kind around which the sum tells enough. For one x after the other, from
+  // 0.
+  template <class Use>
+  void next(int x, Use use) {
+    for (; last_ < std::min(x + reach_px_ + 1, gains_.height); ++last_) add(last_, 1);
+    if (x > reach_px_) add(x - reach_px_ - 1, -1);
+    int64_t sum = 0;
+    for (int y = 0; y < std::min(reach_px_, gains_.width); ++y) sum += rows_[static_cast<size_t>(y)];
+    for (int y = 0; y < gains_.width; ++y) {
+      if (y + reach_px_ < gains_.width) sum += rows_[static_cast<size_t>(y + reach_px_)];
+      if (y > reach_px_) sum -= rows_[static_cast<size_t>(y - reach_px_ - 1)];
+      if (sum > kPreferred && changes_.at(y, x) == kind_) use(y);
+    }
+  }
+
+ private:
+  void add(int x, int times) {
+    for (int y = 0; y < gains_.width; ++y)
+      if (changes_.at(y, x) == kind_) rows_[static_cast<size_t>(y)] += int64_t{times} * gains_.at(y, x);
+  }
+
+  const Plane<int32_t>& gains_;
+  const Plane<uint8_t>& changes_;
+  Change kind_;
+  int reach_px_, last_ = 0;    // columns below this have been added
+  std::vector<int64_t> rows_;  // of the columns within reach
 };
 
 }  // namespace
@@ -156,13 +184,13 @@ namespace ldp {
 using namespace layers;
 
 void fuse_proposal(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const DisparityMap& proposal,
-                   int cell_px, const Job& job, DisparityMap& layer) {
-  const Parts parts(grid, cell_px, layer, proposal);
-  const std::vector<int64_t> gains = Comparison(grid, frames, parts, layer, proposal).gains(job);
-  for (int y = 0; y < layer.height; ++y)
-    for (int x = 0; x < layer.width; ++x)
-      if (const uint16_t part = parts.columns.at(y, x); part != kNoPart && gains[part] > 0)
-        layer.at(x, y) = proposal.at(x, y);
+                   int reach_px, const Job& job, DisparityMap& layer) {
+  const Plane<uint8_t> change = changes(grid, layer, proposal);
+  const Plane<int32_t> gains = Comparison(grid, frames, change, layer, proposal).gains(job);
+  for (const Change kind : {kNearer, kFarther}) {
+    SquareSums sums(gains, change, kind, reach_px);
+    for (int x = 0; x < layer.width; ++x) sums.next(x, [&](int y) { layer.at(x, y) = proposal.at(x, y); });
+  }
 }
 
 }  // namespace ldp

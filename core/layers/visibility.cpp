@@ -31,10 +31,10 @@ void add_layer(const PanoramaGrid& grid, const DisparityMap& layer, const std::v
                const LayersOptions& options, const Job& job, std::vector<VisibilityMap>& maps) {
   if (maps.empty())
     for (const UprightFrame& frame : frames) maps.push_back(empty_map(grid, frame.camera, options));
-  const Brush brush(grid, layer);
+  const Brush brush(grid, layer, options);
   parallel_for(job, static_cast<int>(frames.size()), [&](int i) {
     const auto index = static_cast<size_t>(i);
-    MapPainter painter(brush, frames[index].camera, options, maps[index]);
+    MapPainter painter(brush, frames[index].camera, maps[index]);
     for (int x = 0; x < grid.width; ++x) {
       if (x % kColumnsAtOnce == 0) job.check();
       painter.paint(x);

@@ -150,18 +150,19 @@ class Build {
   }
 
   // The later of two iterations frees what stands beside near surfaces, and eats their edges where they are plain; each
-  // is right in places. Then surfaces a little wider, and without small near ones.
+  // is right in places. Then every pixel is offered the surfaces around it.
   void fuse_proposals(DisparityMap& layer) {
-    const auto choose = [&](const DisparityMap& proposal, int cell_px) {
-      fuse_proposal(grid_, upright_, proposal, cell_px, job_, layer);
+    const auto choose = [&](const DisparityMap& proposal, int reach_px) {
+      fuse_proposal(grid_, upright_, proposal, reach_px, job_, layer);
     };
     if (!layers_.empty()) {
       DisparityMap before = std::move(layers_[0]);
       fit_outlines(grid_, upright_, job_, before);
-      choose(before, kFusionCellPx);
+      choose(before, kIterationsReachPx);
     }
-    choose(widened(layer, kNarrowPx), kFineCellPx);
-    choose(widened(without_silhouettes(layer, kSmallPx), kSmallPx), kFineCellPx);
+    for (const int px : kPropagationPx)
+      for (const auto& [right, down] : {std::pair(px, 0), {-px, 0}, {0, px}, {0, -px}})
+        choose(shifted(grid_, layer, right, down), kPropagationReachPx);
   }
 
   // Empty when no camera sees anything behind the layers found so far.

@@ -1,6 +1,8 @@
 // Tuned constants of the pipeline that are no options.
 #pragma once
 
+#include <array>
+
 namespace ldp::pipeline {
 
 constexpr double kCoarser = 1.05, kCoarsest = 3;  // steps of the panorama's pitch, and its limit, to save memory
@@ -24,10 +26,10 @@ constexpr double kKnownPx = 2.5;
 // rim that a renderer gets by letting the background go on underneath.
 constexpr double kSeparatePx = 10;
 constexpr int kSpeckPx = 8;  // parts of layers behind that hold fewer pixels are not kept
-// The photographs choose between depth maps in squares of so many pixels of the panorama: between those of two
-// iterations, and in finer ones between surfaces as found, wider by the third, and without near ones of less than twice
-// the fourth.
-constexpr int kFusionCellPx = 24, kFineCellPx = 12, kNarrowPx = 2, kSmallPx = 3;
+// The photographs choose between depth maps by what changes within so many pixels: between those of two iterations, and
+// between the surface of a pixel and those so far from it, left, right, above and below.
+constexpr int kIterationsReachPx = 12, kPropagationReachPx = 1;
+inline constexpr std::array kPropagationPx{8, 3};
 constexpr int kSilhouettePx = 4;  // by so much the sweep's windows may widen a near surface, and the cut a little more
 
 }  // namespace ldp::pipeline

@@ -104,13 +104,19 @@ TEST(WithoutSilhouettes, TakesTheFarthestWithinReachAndKeepsBroadSurfaces) {
     }
 }
 
-TEST(Widened, TakesTheNearestWithinReach) {
-  DisparityMap map(30, 20, 100);
-  map.at(10, 5) = 3000;
-  const DisparityMap wide = widened(map, 2);
-  for (int y = 0; y < 20; ++y)
-    for (int x = 0; x < 30; ++x)
-      ASSERT_EQ(wide.at(x, y), std::abs(x - 10) <= 2 && std::abs(y - 5) <= 2 ? 3000 : 100) << x << ", " << y;
+TEST(Shifted, OffersWhatLiesBesideAndRoundTheSeamButNothingBeyondAnEdge) {
+  PanoramaGrid grid = simple_grid(0.5);
+  DisparityMap map(grid.width, grid.height, 100);
+  map.at(0, 5) = 3000;
+  map.at(7, grid.height - 1) = 2000;
+  EXPECT_EQ(shifted(grid, map, -3, 0).at(3, 5), 3000);
+  EXPECT_EQ(shifted(grid, map, 0, 4).at(0, 1), 3000);
+  EXPECT_EQ(shifted(grid, map, 0, 4).at(7, grid.height - 2), 2000);
+  EXPECT_EQ(shifted(grid, map, 2, 0).at(grid.width - 2, 5), 100);
+  EXPECT_EQ(shifted(grid, map, -2, 0).at(1, 5), 3000);
+  grid.wraps = true;
+  EXPECT_EQ(shifted(grid, map, 2, 0).at(grid.width - 2, 5), 3000);
+  EXPECT_EQ(shifted(grid, map, -2, 0).at(1, 5), 100);
 }
 
 TEST(WantedBehind, NothingBehindOneSurface) {
@@ -335,8 +341,8 @@ DisparityMap halves(const DisparityMap& left, const DisparityMap& right) {
 }
 
 DisparityMap fused(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, DisparityMap layer,
-                   const DisparityMap& proposal, const Job& job = {}, int cell_px = 10) {
-  fuse_proposal(grid, frames, proposal, cell_px, job, layer);
+                   const DisparityMap& proposal, const Job& job = {}, int reach_px = 5) {
+  fuse_proposal(grid, frames, proposal, reach_px, job, layer);
   return layer;
 }
 
@@ -383,25 +389,22 @@ TEST(PhotoConsistency, NoCameraContradictsTheTruth) {
   EXPECT_LT(contradicted, 60);
 }
 
-TEST(MapPainter, NamesThePixelThatIsSeenAndNotThoseBehindIt) {
+TEST(MapPainter, TellsThePixelThatIsSeenAndNotThoseBehindIt) {
   const PanoramaGrid grid = simple_grid(0.5);
-  const layers::Brush brush(grid, square_before_the_sky(grid));
-  Plane<uint16_t> names(grid.height, grid.width);
-  for (int x = 0; x < grid.width; ++x) std::fill_n(names.row(x), grid.height, static_cast<uint16_t>(x));
+  const layers::Brush brush(grid, square_before_the_sky(grid), {});
   const UprightFrame frame = upright_of(camera_at(-0.25), 0);
-  Plane<uint16_t> seen(frame.camera.height, frame.camera.width, 0);
+  layers::SeenPixels seen(frame.camera.height, frame.camera.width, layers::kSeesNothing);
   VisibilityMap map = layers::empty_map(grid, frame.camera, {});
-  const layers::Names named{names, seen};
-  layers::MapPainter painter(brush, frame.camera, {}, map, &named);
+  layers::MapPainter painter(brush, frame.camera, map, &seen);
   for (int x = grid.width - 1; x >= 0; --x) painter.paint(x);
   int near = 0;
   for (int column = 0; column < frame.camera.width; ++column)
     for (int row = 0; row < frame.camera.height; ++row) {
       const bool square = map.inverse_z.row(column)[row] * map.scale > 0.2;
-      const int name = seen.row(column)[row];
+      const int x = static_cast<int>(seen.row(column)[row]) / grid.height;
       near += square;
       if (square) {
-        ASSERT_TRUE(name >= kFirst && name < kEnd) << column << ", " << row;
+        ASSERT_TRUE(x >= kFirst && x < kEnd) << column << ", " << row;
       }
     }
   EXPECT_GT(near, 100);
@@ -431,7 +434,18 @@ TEST(FuseProposal, DecidesOnWhatIsNearerAndWhatIsFartherApart) {
   const DisparityMap truth = square_before_the_sky(grid);
   const DisparityMap layer = without_columns(truth, kFirst, kFirst + 3),
                      proposal = without_columns(truth, kEnd - 5, kEnd);
-  EXPECT_EQ(fused(grid, frames, layer, proposal, {}, 100), truth);
+  EXPECT_EQ(fused(grid, frames, layer, proposal, {}, 50), truth);
+}
+
+// A plain square at a wrong depth: photographs tell at its outline alone.
+TEST(FuseProposal, TakesAlongWhatChangesAlikeWithinReach) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const auto frames = photographs_of_the_square(grid, Plain::square);
+  const DisparityMap truth = square_before_the_sky(grid);
+  DisparityMap wrong = truth;
+  for (uint16_t& d : wrong.samples) d = static_cast<uint16_t>(d * 7 / 8);
+  EXPECT_EQ(fused(grid, frames, wrong, truth, {}, 0).at((kFirst + kEnd) / 2, 28), wrong.at((kFirst + kEnd) / 2, 28));
+  EXPECT_EQ(fused(grid, frames, wrong, truth, {}, 12), truth);
 }
 
 TEST(FuseProposal, LeavesWhatPhotographsCannotTell) {
