@@ -18,7 +18,7 @@ import browser
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TOKEN = "0123456789abcdef"
 SIZES = {"portrait": (500, 844), "landscape": (844, 500), "desktop": (1280, 800)}  # of windows, which are no narrower
-SWEEP_S = 120
+SWEEP_S = 300
 TEXT = "return document.getElementById('%s').innerText"
 BROKEN_PICTURES = "return [...document.images].filter((i) => i.complete && i.naturalWidth === 0 && i.src).map((i) => i.src)"
 

@@ -36,7 +36,7 @@ export class LiveDisplay {
   status({ phase, capture, text, frames_stored: stored, sweeps_left: left }) {
     if (phase !== this.phase) this.enter(phase);
     this.part('phase').textContent = `${PHASES[phase] ?? phase}${capture ? ` \u00b7 ${capture}` : ''}`;
-    if (phase !== 'capturing') this.say(text);
+    if (phase !== 'capturing') this.say(phase === 'done' ? 'The panorama is ready' : text); // its text is a path
     if (phase === 'idle') this.part('figures').textContent = `room for ${left} more sweeps`;
     if (phase === 'capturing' && capture) this.showFrames(capture, stored);
   }
