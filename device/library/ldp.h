@@ -183,8 +183,9 @@ ldp_status ldp_prepare(ldp_panorama* panorama, int threads, ldp_stop* stop, ldp_
 ldp_status ldp_render(ldp_panorama* panorama, const ldp_camera* camera, const ldp_view* view, ldp_error* error);
 
 /* All cameras of a path ("sway", "walk" or "dolly"), `frames` of them, 1 .. 100000. Of cameras[0] struct_bytes, width
- * and height are taken; the rest, and the others, are given. fov_rad: horizontal; 0 = that of the photos. */
-ldp_status ldp_cameras_on_path(const ldp_panorama* panorama, const char* path, int frames, double fov_rad,
+ * and height are taken; the rest, and the others, are given. fov_rad: horizontal; 0 = that of the photos, or less. They
+ * are framed inside what the panorama shows, which takes some small views, like those of `ldp render --path`. */
+ldp_status ldp_cameras_on_path(ldp_panorama* panorama, const char* path, int frames, double fov_rad,
                                ldp_camera* cameras, ldp_error* error);
 
 /* ---- Writing ---- */

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/view/camera_path.h"
+#include "core/view/framing.h"
 #include "device/library/doors.h"
 #include "device/library/panorama_handle.h"
 
@@ -65,10 +66,13 @@ void render(ldp_panorama& panorama, const Camera& camera, const ldp_view& view) 
   if (view.depth != nullptr) store(rendered.depth, view.depth, row_pixels);
 }
 
-void cameras_on_path(const ldp_panorama& panorama, const CameraPathOptions& path, ldp_camera* cameras) {
+void cameras_on_path(ldp_panorama& panorama, const CameraPathOptions& path, ldp_camera* cameras) {
+  const Job job = job_of(0, nullptr);
+  const std::shared_ptr<const Renderer> renderer = prepared(panorama, job);
+  const LayeredPanorama& described = panorama.description().panorama;
   const size_t step = cameras->struct_bytes;
   auto* place = reinterpret_cast<unsigned char*>(cameras);
-  for (const Camera& camera : camera_path(panorama.description().panorama, path)) {
+  for (const Camera& camera : camera_path(described, framed_inside(described, *renderer, path, job))) {
     ldp_camera told = camera_of(camera);
     told.struct_bytes = static_cast<uint32_t>(step);
     std::memcpy(place, &told, sizeof told);
@@ -91,7 +95,7 @@ ldp_status ldp_render(ldp_panorama* panorama, const ldp_camera* camera, const ld
   });
 }
 
-ldp_status ldp_cameras_on_path(const ldp_panorama* panorama, const char* path, int frames, double fov_rad,
+ldp_status ldp_cameras_on_path(ldp_panorama* panorama, const char* path, int frames, double fov_rad,
                                ldp_camera* cameras, ldp_error* error) {
   return guarded("lay a path of cameras", error, [&] {
     const ldp_camera first = taken(cameras, "cameras");

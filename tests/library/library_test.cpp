@@ -63,7 +63,7 @@ Picture picture_of(ldp_panorama& panorama, const ldp_camera& camera, int threads
   return picture;
 }
 
-std::vector<ldp_camera> path_of(const ldp_panorama& panorama, int frames) {
+std::vector<ldp_camera> path_of(ldp_panorama& panorama, int frames) {
   std::vector<ldp_camera> cameras(static_cast<size_t>(frames));
   cameras[0] = LDP_INIT(ldp_camera);
   cameras[0].width = 120, cameras[0].height = 90;
