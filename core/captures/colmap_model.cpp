@@ -238,7 +238,7 @@ std::vector<Camera> parse_colmap_binary(std::span<const uint8_t> cameras, std::s
     for (double& value : pose) value = in.number();
     const int64_t lens = in.id();
     found.push_back(camera_of(lenses, lens, in.text(), pose, where));
-    in.take(in.count(kSighting) * kSighting);
+    in.take(static_cast<size_t>(in.count(kSighting)) * kSighting);
   }
   return in_order(std::move(found));
 }
