@@ -90,6 +90,9 @@ DisparityMap shifted(const PanoramaGrid& grid, const DisparityMap& layer, int ri
 // on there.
 void drop_small_components(int least, bool wraps, DisparityMap& layer);
 
+// Gives connected parts of fewer than `least` pixels, apart from all around them, the median disparity beside them.
+void absorb_specks(const PanoramaGrid& grid, int least, DisparityMap& layer);
+
 // The layer on a grid of `times` as many columns: between the middles of columns on one surface disparity is linear.
 DisparityMap with_finer_columns(const DisparityMap& layer, int times, bool wraps);
 

@@ -163,6 +163,7 @@ class Build {
     for (const int px : kPropagationPx)
       for (const auto& [right, down] : {std::pair(px, 0), {-px, 0}, {0, px}, {0, -px}})
         choose(shifted(grid_, layer, right, down), kPropagationReachPx);
+    absorb_specks(grid_, kFrontSpeckPx, layer);
   }
 
   // Empty when no camera sees anything behind the layers found so far.

@@ -30,6 +30,7 @@ constexpr int kSpeckPx = 8;  // parts of layers behind that hold fewer pixels ar
 // between the surface of a pixel and those so far from it, left, right, above and below.
 constexpr int kIterationsReachPx = 12, kPropagationReachPx = 1;
 inline constexpr std::array kPropagationPx{8, 3};
-constexpr int kSilhouettePx = 4;  // by so much the sweep's windows may widen a near surface, and the cut a little more
+constexpr int kFrontSpeckPx = 30;  // what is left of fewer pixels, apart from all around it, is noise
+constexpr int kSilhouettePx = 4;   // by so much the sweep's windows may widen a near surface, and the cut a little more
 
 }  // namespace ldp::pipeline

@@ -500,6 +500,23 @@ TEST(DropSpecks, RemovesPartsOfFewerPixelsAndNoOthers) {
   EXPECT_EQ(closed.samples, expected.samples);
 }
 
+TEST(AbsorbSpecks, GivesSmallPartsTheMedianBesideThemAndLeavesLargerOnesAndSlopes) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  DisparityMap layer(grid.width, grid.height, 100);
+  for (int y = 40; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x) layer.at(x, y) = static_cast<uint16_t>(2000 + x);  // a slope
+  for (int x = 60; x < 66; ++x) layer.at(x, 20) = 3000;                                     // large enough
+  layer.at(0, 30) = kNoDisparity;
+  const DisparityMap clean = layer;
+  for (int x = 10; x < 15; ++x) layer.at(x, 10) = 3000;
+  layer.at(grid.width - 1, 0) = 3000;
+  absorb_specks(grid, 6, layer);
+  EXPECT_EQ(layer, clean);
+  DisparityMap all(grid.width, 1, 7);
+  absorb_specks(grid, 1000, all);
+  EXPECT_EQ(all, DisparityMap(grid.width, 1, 7));
+}
+
 DisparityMap row(const std::vector<uint16_t>& samples) {
   DisparityMap map(static_cast<int>(samples.size()), 1);
   std::copy(samples.begin(), samples.end(), map.samples.begin());
