@@ -4,11 +4,18 @@
 #include <string>
 
 #include "drivers/backends.h"
+#include "drivers/interface/standard_streams.h"
 
 namespace ldp {
 namespace {
 
 constexpr double kDegrees = 57.29577951308232;
+
+std::string rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.0f", value);
+  return text;
+}
 
 class ConsoleStatus final : public StatusChannel {
  public:
@@ -19,10 +26,10 @@ class ConsoleStatus final : public StatusChannel {
  private:
   void say(const Status& status) {
     const std::string line = std::string(name_of(status.phase)) + ": " + status.text;
-    if (line != last_status_) std::fprintf(stderr, "%s\n", line.c_str());  // repeats every second are for the network
+    if (line != last_status_) ldp::say(line);  // repeats every second are for the network
     last_status_ = line;
     if (status.frames_stored != last_stored_ && status.frames_stored > 0) {
-      std::fprintf(stderr, "stored: %d frames\n", status.frames_stored);
+      ldp::say("stored: " + std::to_string(status.frames_stored) + " frames");
     }
     last_stored_ = status.frames_stored;
   }
@@ -30,24 +37,25 @@ class ConsoleStatus final : public StatusChannel {
   void say(const Progress& progress) {
     if (progress.stage == last_stage_) return;  // a line a stage; every step is for the network
     last_stage_ = progress.stage;
-    std::fprintf(stderr, "building %s: %s\n", progress.capture.c_str(), progress.stage.c_str());
+    ldp::say("building " + progress.capture + ": " + progress.stage);
   }
 
   void say(const Guidance& guidance) {
     if (guidance.advice == last_advice_ && guidance.frames_chosen == last_frames_) return;
     last_advice_ = guidance.advice;
     last_frames_ = guidance.frames_chosen;
-    std::fprintf(stderr, "sweep: %d frames, %.0f degrees, %s\n", guidance.frames_chosen,
-                 guidance.covered_rad * kDegrees, name_of(guidance.advice));
+    ldp::say("sweep: " + std::to_string(guidance.frames_chosen) + " frames, " +
+             rounded(guidance.covered_rad * kDegrees) + " degrees, " + name_of(guidance.advice));
   }
 
   void say(const Result& result) {
-    std::fprintf(stderr, "%s: %s\n", result.ok ? result.file.c_str() : result.capture.c_str(), result.text.c_str());
+    ldp::say((result.ok ? result.file : result.capture) + ": " + result.text);
     if (result.verdict != Judgement::none) {
-      std::fprintf(stderr, "%s: new views of about %.0f dB\n", name_of(result.verdict), result.expected_view_psnr_db);
+      ldp::say(std::string(name_of(result.verdict)) + ": new views of about " + rounded(result.expected_view_psnr_db) +
+               " dB");
     }
     std::istringstream reasons(result.reasons);
-    for (std::string reason; std::getline(reasons, reason);) std::fprintf(stderr, "  %s\n", reason.c_str());
+    for (std::string reason; std::getline(reasons, reason);) ldp::say("  " + reason);
     last_stage_.clear();
   }
 

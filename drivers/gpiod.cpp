@@ -282,7 +282,7 @@ class GpioButton final : public Button {
   UniqueFd epoll_;
 };
 
-// Off when there is nothing to do, on while capturing, slow blinking while building, fast blinking after a failure.
+// Shows led_sign of what it is told.
 class GpioLed final : public StatusChannel {
  public:
   explicit GpioLed(const LineSpec& spec) : line_(spec) {}
@@ -297,17 +297,19 @@ class GpioLed final : public StatusChannel {
   }
 
   void publish(const StatusMessage& message) override {
-    if (const auto* const result = std::get_if<Result>(&message)) judgement_ = result->verdict;
-    const auto* const status = std::get_if<Status>(&message);
-    if (status == nullptr) return;
-    const uint16_t pattern = led_pattern(status->phase, judgement_);
-    if (pattern == pattern_) return line_.set(is_lit(pattern_, step_));  // only use tells that a line has gone away
-    pattern_ = pattern;
-    step_ = 0;
-    ticker_.stop();
-    line_.set(is_lit(pattern_, step_));
-    const bool changes = pattern_ != 0 && pattern_ != 0xFFFF;
-    if (changes) ticker_.start_at(monotonic_now_ns() + kLedStep_ns, kLedStep_ns);
+    if (const auto* const status = std::get_if<Status>(&message)) {
+      if (status->phase != said_.phase) said_.advice = Advice::keep_going;
+      said_.phase = status->phase;
+      said_.has_room = status->sweeps_left > 0;
+    } else if (const auto* const guidance = std::get_if<Guidance>(&message)) {
+      said_.advice = guidance->advice;
+    } else if (const auto* const result = std::get_if<Result>(&message)) {
+      said_.judgement = result->verdict;
+      return;  // shown with the phase that follows
+    } else {
+      return;
+    }
+    show(led_pattern(led_sign(said_)));
   }
 
   int fd() const override { return ticker_.fd(); }
@@ -321,9 +323,18 @@ class GpioLed final : public StatusChannel {
   }
 
  private:
+  void show(uint16_t pattern) {
+    if (pattern == pattern_) return line_.set(is_lit(pattern_, step_));  // only use tells that a line has gone away
+    pattern_ = pattern;
+    step_ = 0;
+    ticker_.stop();
+    line_.set(is_lit(pattern_, step_));
+    if (pattern_ != 0xFFFF) ticker_.start_at(monotonic_now_ns() + kLedStep_ns, kLedStep_ns);
+  }
+
   GpioLine line_;
   Ticker ticker_;
-  Judgement judgement_ = Judgement::none;
+  LedSources said_;
   uint16_t pattern_ = 0;
   int64_t step_ = 0;
 };

@@ -211,7 +211,7 @@ class Inbox {
   }
 
   std::optional<Item> take() {
-    while (items_.empty()) {
+    for (int looked = 0; items_.empty() && looked < kWaitingMessages; ++looked) {  // strangers must not hold us up
       const int handled = connection_->handleTimeout(0);
       if (handled < 0) ended_ = true;
       if (handled <= 0) break;

@@ -1,7 +1,8 @@
 // A synthetic sweep as a capture folder with truth, for `ldp scene` and the scene camera.
 //
 // Gives in the folder: frames/NNN.png and transforms.json, frames_depth/NNN.npy (float16, infinity = sky),
-// novel/NNN.png, novel.json and novel_depth/NNN.npy, capture.json. Frames suffer from exposure drift, noise, blur and
+// novel/NNN.png, novel.json and novel_depth/NNN.npy, capture.json; around/panorama.png, stereo.png and distance.npy if
+// asked for. Frames suffer from exposure drift, noise, blur and
 // movement as asked; depths are exact for each frame's own moment, and novel views show the scene at rest, as a perfect
 // camera would.
 #pragma once
@@ -11,6 +12,7 @@
 
 #include "core/base/job.h"
 #include "sim/scene/picture.h"
+#include "sim/scene/surround.h"
 #include "sim/scene/sweep_path.h"
 
 namespace ldp {
@@ -19,11 +21,14 @@ struct SceneCaptureOptions {
   std::string scene = "courtyard";
   SweepPath path;
   double exposure_drift = 0;  // largest relative change of exposure over the sweep
+  bool meters = false;        // automatic exposure, of novel views too
+  double shade = 1;           // share of the light that half of the scene has, above 0
   double noise = 0;           // deviation in 8-bit levels
   double blur_px = 0;         // longest motion blur; every frame gets a random share of it
   double moving_share = 0;    // of figures and leaves, that move from frame to frame
   uint32_t seed = 1;          // of the scene, the hand's jitter and the noise
   bool novel_views = true;
+  SurroundOptions around;  // what is seen all around from the arc's centre; of width 0: it is left out
 };
 
 // Frames of a sweep, one by one.

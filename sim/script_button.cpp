@@ -1,3 +1,4 @@
+#include <array>
 #include <fstream>
 #include <sstream>
 #include <vector>
@@ -15,9 +16,10 @@ constexpr double kMostWait_ms = 1e10;  // in all: four months
 std::string script_text(const std::string& file) {
   std::ifstream in(file);
   if (!in) throw std::runtime_error("cannot read the button script '" + file + "'");
-  std::string text(kMostBytes + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<size_t>(in.gcount()));
+  std::string text;
+  std::array<char, 4096> part;
+  while (text.size() <= kMostBytes && (in.read(part.data(), part.size()), in.gcount() > 0))
+    text.append(part.data(), static_cast<size_t>(in.gcount()));
   if (text.empty()) throw std::runtime_error("the button script '" + file + "' is empty: a pipe can be read once only");
   if (text.size() > kMostBytes) throw std::runtime_error("the button script '" + file + "' is longer than a megabyte");
   return text;

@@ -2,10 +2,10 @@
 """An independent reader of .ldp files, written from core/panorama/file/FORMAT.md alone (Python 3.8, Pillow; slow on purpose).
 
     ldp_reader.py FILE.ldp            prints the header and, for every layer, CRC-32C of its planes
-    ldp_reader.py FILE.ldp -o DIR     also writes DIR/layer_N_{disparity,coverage,alpha,colour}.png
+    ldp_reader.py FILE.ldp -o DIR     also writes DIR/layer_N_{disparity,coverage,alpha,colour[,even]}.png
 
 The planes' bytes, row by row, of which the checksums are: disparity u16 little-endian (65535 where absent), coverage u8,
-alpha u8 (255 where a layer has none and is present), colour r g b.
+alpha u8 (255 where a layer has none and is present), colour r g b; of local exposure also even, the colours evened.
 """
 import io
 import struct
@@ -312,6 +312,55 @@ def read_layer(chunks, head, layer):
                 colour=b"".join(bytes(planes["colour"].get(xy, (0, 0, 0))) for xy in order))
 
 
+def read_exposure(data):
+    """The response's light at levels 0, 16 .. 256; columns, rows and factors (1/4096) of the nodes."""
+    light = (0,) + struct.unpack_from("<16I", data)
+    need(all(a < b for a, b in zip(light, light[1:])), "response")
+    columns, rows = struct.unpack_from("<II", data, 64)
+    need(1 <= columns <= 256 and 1 <= rows <= 256 and len(data) == 72 + 6 * columns * rows, "expo")
+    factors = struct.unpack_from("<%dH" % (3 * columns * rows), data, 72)
+    need(min(factors) > 0, "factor of the exposure")
+    return light, columns, rows, factors
+
+
+def factor_at(exposure, head, x, y, channel):
+    _, columns, rows, factors = exposure
+
+    def between(place, size, nodes, wraps):
+        at = place / size * nodes - 0.5
+        first = int(at // 1)
+        pair = [n % nodes if wraps else clamp(n, 0, nodes - 1) for n in (first, first + 1)]
+        return pair, at - first
+
+    (i0, i1), s = between(x + 0.5, head["width"], columns, head["wraps"])
+    (j0, j1), t = between(y + 0.5, head["height"], rows, False)
+    left, right = ([factors[3 * (j * columns + i) + channel] for j in (j0, j1)] for i in (i0, i1))
+    upper, lower = (a + s * (b - a) for a, b in zip(left, right))
+    return (upper + t * (lower - upper)) / 4096
+
+
+def even_level(light, c, factor, v):
+    knot = c // 16
+    of = (light[knot] + (c / 16 - knot) * (light[knot + 1] - light[knot])) * (1 / factor)
+    e = 255
+    if of < light[16]:
+        knot = max(k for k in range(16) if light[k] <= of)
+        e = min(255, 16 * (knot + (of - light[knot]) / (light[knot + 1] - light[knot])))
+    t = max(0, v - 224) / 31
+    return e + t * t * (c - e) if factor > 1 else e
+
+
+def evened(colour, exposure, head):
+    """A layer's colours, r g b row by row, at even exposure."""
+    result = bytearray(colour)
+    for i in range(0, len(colour), 3):
+        x, y = i // 3 % head["width"], i // 3 // head["width"]
+        for c in range(3):
+            factor = factor_at(exposure, head, x, y, c)
+            result[i + c] = int(even_level(exposure[0], colour[i + c], factor, max(colour[i:i + 3])) + 0.5)
+    return bytes(result)
+
+
 REASONS = ("blurred dark little_overlap no_parallax moved_forward moved_straight poses_doubtful photos_left_out "
            "exposure_jumps contradicted holes lens_doubtful").split()
 
@@ -351,12 +400,15 @@ def main():
     verdict = verdict_of(read_quality(chunks[b"qual", 65535, 65535])) if (b"qual", 65535, 65535) in chunks else None
     if verdict:
         print("verdict " + verdict)
+    exposure = read_exposure(chunks[b"expo", 65535, 65535]) if (b"expo", 65535, 65535) in chunks else None
     for layer in range(head["layers"]):
         planes = read_layer(chunks, head, layer)
+        if exposure:
+            planes["even"] = evened(planes["colour"], exposure, head)
         for name, data in planes.items():
             print("layer %d %s %08x" % (layer + 1, name, crc32c(data)))
             if len(sys.argv) == 4 and sys.argv[2] == "-o":
-                mode = dict(disparity="I;16", coverage="L", alpha="L", colour="RGB")[name]
+                mode = dict(disparity="I;16", coverage="L", alpha="L", colour="RGB", even="RGB")[name]
                 image = Image.frombytes(mode, (head["width"], head["height"]), data)
                 image.save("%s/layer_%d_%s.png" % (sys.argv[3], layer + 1, name))
 

@@ -1,5 +1,6 @@
 /**
  * <layered-panorama src="room.ldp"></layered-panorama>
+ * Attributes: `src`; `exposure`, `local` or `even`: of photos on automatic exposure, as bright as they were or as if taken at one.
  * Events: `preview` when there is something to see, then more of it; `load` when everything is there; `error`, a CustomEvent<string> with words, when it cannot be shown.
  */
 export class LayeredPanorama extends HTMLElement {

@@ -1,29 +1,33 @@
 import { Controls } from './viewer/controls.js';
 import { Frame } from './viewer/frame.js';
+import { Headset } from './viewer/headset.js';
 import { Scene } from './viewer/scene.js';
+import { SeenShare } from './viewer/seen_share.js';
 import { startWorker } from './viewer/start_worker.js';
 import { Tilt } from './viewer/tilt.js';
-import { cameraInArcAxes, Viewpoint } from './viewer/viewpoint.js';
+import { cameraInArcAxes, eyesOf, Viewpoint } from './viewer/viewpoint.js';
 
 const SWAY = { reach: 0.12, seconds: 6 }; // radians along the arc, there and back
 const MOST_PIXEL_RATIO = 2;
+const EYES = 0.064; // metres apart
 const LONGEST_STEP = 0.1; // seconds that one frame moves things on at most
 
 /**
  * <layered-panorama src="room.ldp"></layered-panorama>: shows a panorama with parallax.
  *
- * Attributes: src, an address of an .ldp file. Instead of it, `element.file = ArrayBuffer`.
+ * Attributes: src, an address of an .ldp file. Instead of it, `element.file = ArrayBuffer`. exposure, `local` or `even`.
  * Events: `preview` when there is something to see, then more of it; `load` when everything is there; `error` (detail:
  * words) when it cannot be shown.
  */
 export class LayeredPanorama extends HTMLElement {
-  static observedAttributes = ['src'];
+  static observedAttributes = ['src', 'exposure'];
 
   constructor() {
     super();
     this.frame = new Frame(this.attachShadow({ mode: 'open' }));
     this.bytes = null;
     this.worker = null;
+    this.tilt = null;
     this.forget();
     this.listen();
   }
@@ -39,8 +43,9 @@ export class LayeredPanorama extends HTMLElement {
     this.endWorker();
   }
 
-  attributeChangedCallback(name, before, src) {
-    if (src) this.load(src);
+  attributeChangedCallback(name, before, value) {
+    if (name === 'exposure') this.expose(value);
+    else if (value) this.load(value);
   }
 
   /** The whole file. @param {ArrayBuffer} bytes */
@@ -87,6 +92,7 @@ export class LayeredPanorama extends HTMLElement {
     this.viewpoint = null;
     this.controls?.end();
     this.controls = null;
+    this.headset?.end();
   }
 
   endWorker() {
@@ -113,9 +119,10 @@ export class LayeredPanorama extends HTMLElement {
   }
 
   /** @param {import('./viewer/preparation.js').PreparationMessage} message */
-  hear({ opened, progress, number, strip, removed, seen, done, failed }) {
+  hear({ opened, map, progress, number, strip, removed, seen, done, failed }) {
     try {
       if (opened) this.open(opened);
+      if (map) this.viewpoint.frameBy(new SeenShare(this.opened.head, map));
       if (progress !== undefined) this.frame.showProgress(progress);
       if (strip) this.scene?.addStrip(number, strip);
       if (removed !== undefined) this.scene?.removeStrip(removed);
@@ -130,8 +137,11 @@ export class LayeredPanorama extends HTMLElement {
 
   open(opened) {
     this.opened = opened;
-    this.scene = new Scene(this.frame.canvas, opened.head);
+    this.scene = new Scene(this.frame.canvas, opened.head, opened.exposure);
+    this.scene.even = this.isEven ? 1 : 0;
+    this.frame.evenButton.hidden = opened.exposure === null;
     this.viewpoint = this.keptViewpoint ?? new Viewpoint(opened.head);
+    this.viewpoint.swayReach = this.isUntouched ? SWAY.reach : 0;
     this.controls = new Controls(this.frame.canvas, this.viewpoint, { changed: () => this.changed(), touched: () => this.touched() });
     this.frame.describe(opened, this.bytes.byteLength);
   }
@@ -153,14 +163,20 @@ export class LayeredPanorama extends HTMLElement {
   // ---- hands
 
   listen() {
-    const { canvas, fullButton, tiltButton } = this.frame;
+    const { canvas, fullButton, tiltButton, eyesButton, evenButton, headsetButton } = this.frame;
     fullButton.onclick = () => this.toggleFullScreen();
     fullButton.hidden = !this.requestFullscreen;
     tiltButton.hidden = !Tilt.isThere;
     tiltButton.onclick = () => this.toggleTilt();
+    eyesButton.hidden = !Tilt.isThere;
+    eyesButton.onclick = () => this.toggleTwoEyes();
+    evenButton.onclick = () => this.toggleExposure();
+    headsetButton.onclick = () => this.putOnHeadset();
+    Headset.isThere().then((there) => { headsetButton.hidden = !there; });
     canvas.addEventListener('keydown', (event) => {
       if (event.code === 'KeyF') this.toggleFullScreen();
       if (event.code === 'KeyI') this.frame.togglePanel();
+      if (event.code === 'KeyL' && this.opened?.exposure) this.toggleExposure();
     });
     canvas.addEventListener('webglcontextlost', (event) => {
       event.preventDefault();
@@ -180,15 +196,53 @@ export class LayeredPanorama extends HTMLElement {
     else this.requestFullscreen?.();
   }
 
+  /** Photos on automatic exposure: each direction as bright as they were, or all as if taken at one exposure. */
+  expose(exposure) {
+    this.isEven = exposure === 'even';
+    if (this.scene) this.scene.even = this.isEven ? 1 : 0;
+    this.frame.evenButton.setAttribute('aria-pressed', String(this.isEven));
+    this.changed();
+  }
+
+  toggleExposure() {
+    this.touched();
+    this.setAttribute('exposure', this.isEven ? 'local' : 'even');
+  }
+
+  /** Pictures for both eyes beside each other: a phone in a holder with lenses. */
+  toggleTwoEyes() {
+    this.touched();
+    this.isForTwoEyes = !this.isForTwoEyes;
+    this.frame.eyesButton.setAttribute('aria-pressed', String(this.isForTwoEyes));
+    this.changed();
+  }
+
+  async putOnHeadset() {
+    if (!this.scene || this.headset) return;
+    this.touched();
+    try {
+      this.headset = new Headset(this.scene, this.viewpoint);
+      await this.headset.run();
+    } catch (error) {
+      this.frame.showMessage(`The headset cannot be used: ${error.message}.`);
+    }
+    this.headset = null;
+    this.changed();
+  }
+
   async toggleTilt() {
     this.touched();
     if (this.tilt) {
       this.tilt.stop();
       this.tilt = null;
-    } else if (this.viewpoint) {
-      this.tilt = new Tilt(this.viewpoint, () => this.changed());
+    } else {
+      this.tilt = new Tilt((by) => {
+        this.viewpoint?.move(by);
+        this.changed();
+      });
       if (!(await this.tilt.start())) this.tilt = null;
     }
+    this.frame.tiltButton.setAttribute('aria-pressed', String(this.tilt !== null));
   }
 
   // ---- drawing, only when there is something new
@@ -201,18 +255,23 @@ export class LayeredPanorama extends HTMLElement {
     this.frameAsked = 0;
     const seconds = Math.min(LONGEST_STEP, (now - (this.lastFrame ?? now)) / 1000);
     this.lastFrame = now;
-    if (!this.scene || !this.isConnected) return;
+    if (!this.scene || !this.isConnected || this.headset) return;
     this.controls.step(seconds);
     const ratio = Math.min(MOST_PIXEL_RATIO, devicePixelRatio || 1);
     const { clientWidth, clientHeight } = this.frame.canvas;
     const [width, height] = [clientWidth, clientHeight].map((side) => Math.max(1, Math.round(side * ratio)));
-    this.scene.draw(this.viewpoint.camera(width, height, this.sway(now)));
-    if (this.isUntouched || this.controls.isMoving) this.changed();
+    const eyes = this.isForTwoEyes ? 2 : 1;
+    const camera = this.viewpoint.camera(Math.max(1, Math.floor(width / eyes)), height, this.sway(now));
+    this.scene.drawBeside(eyes === 2 ? eyesOf(camera, EYES) : [camera]);
+    if (this.isSwaying || this.controls.isMoving) this.changed();
   }
+
+  /** While parts are still made the machine has other things to do. */
+  get isSwaying() { return this.isUntouched && this.isComplete; }
 
   /** A gentle move from side to side, until a hand is laid on. */
   sway(now) {
-    if (!this.isUntouched) return 0;
+    if (!this.isSwaying) return 0;
     this.swayBegan ??= now;
     return SWAY.reach * Math.sin((2 * Math.PI * (now - this.swayBegan)) / 1000 / SWAY.seconds);
   }

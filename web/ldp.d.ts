@@ -57,6 +57,16 @@ export interface SourceCamera {
   centre: number[];
 }
 
+/** By what light colours at even exposure were multiplied, by direction; see FORMAT.md, section 4. */
+export interface Exposure {
+  /** At levels 0, 16 .. 256: the camera's response. */
+  light: number[];
+  columns: number;
+  rows: number;
+  /** Of red, green and blue light of each node in 1/4096, row by row. */
+  factors: Uint16Array;
+}
+
 /** Planes of width x height samples, row by row; colour has r g b of each pixel. */
 export interface LayerPlanes {
   width: number;
@@ -85,15 +95,24 @@ export class LdpReader {
   readonly cameras: SourceCamera[];
   readonly quality: Map<string, number>;
   readonly metadata: Map<string, string>;
+  /** Null: colours are at even exposure. */
+  readonly exposure: Exposure | null;
   /** A JPEG file. */
   readonly thumbnail: Uint8Array | null;
   stripCount(layer: number): number;
   /** Everything of a strip but its colours; x0 is its first column. */
   readDepthStrip(layer: number, strip: number): Omit<LayerPlanes, 'colour'> & { x0: number };
   /** Without decodeImage colours are 0 0 0. */
-  readLayer(layer: number, options?: { decodeImage?: ImageDecoder; onProgress?: (share: number) => void }):
-    Promise<LayerPlanes>;
+  readLayer(layer: number, options?: {
+    decodeImage?: ImageDecoder;
+    onProgress?: (share: number) => void;
+    /** When all is there but the colours. */
+    onDepths?: (planes: LayerPlanes) => Promise<void> | void;
+  }): Promise<LayerPlanes>;
 }
+
+/** A layer's colours as if all photographs had been taken at one exposure: r g b, row by row. */
+export function evenedColour(planes: LayerPlanes, head: Head, exposure: Exposure | null): Uint8Array;
 
 export interface Verdict {
   verdict: 'good' | 'fair' | 'sweep_again';

@@ -4,3 +4,4 @@ export { ImageError, LdpError } from './reader/errors.js';
 export { decodeImageInBrowser } from './reader/browser_images.js';
 export { LdpReader, MOST_PIXELS } from './reader/ldp_reader.js';
 export { verdictOf } from './reader/verdict.js';
+export { evenedColour } from './reader/exposure.js';

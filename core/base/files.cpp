@@ -88,6 +88,7 @@ fs::path beside(const fs::path& target) {
 
 bool flush_folder(const fs::path& folder) {
   const Descriptor descriptor(open_file(folder, O_RDONLY | O_DIRECTORY));
+  if (!descriptor.valid() && errno == EACCES) return false;  // one that may be written to and not be listed
   if (!descriptor.valid()) fail("cannot open the folder", folder);
   if (flush(descriptor) == 0) return true;
   if (errno != EINVAL && errno != ENOTSUP && errno != ENOSYS) fail("cannot flush the folder", folder);

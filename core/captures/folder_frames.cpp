@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "core/base/files.h"
 #include "core/captures/json_fields.h"
@@ -43,37 +44,27 @@ std::string ending_of(const fs::path& file) {
 
 // What to do where a folder has no photos but something that can become some; empty where it has nothing of the kind.
 std::string what_else(const fs::path& folder) {
-  std::map<std::string, int> pictures, films;
+  std::map<std::string, int> pictures;
+  fs::path film;
   for (const auto& entry : entries_of(folder)) {
     const std::string ending = ending_of(entry.path());
     if (entry.path().filename().string().starts_with('.')) continue;
-    for (const char* kind : {".heic", ".heif", ".avif", ".webp", ".tif", ".tiff", ".gif", ".bmp", ".dng"})
+    for (const char* kind : {".webp", ".tif", ".tiff", ".gif", ".bmp"})
       if (ending == kind) ++pictures[entry.path().extension().string()];
-    for (const char* kind : {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".3gp"})
-      if (ending == kind) ++films[entry.path().extension().string()];
+    for (const char* kind : {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".3gp", ".zip"})
+      if (ending == kind) film = entry.path();
   }
-  const auto list = [](const std::map<std::string, int>& kinds) {
-    std::string text;
-    for (const auto& [ending, count] : kinds) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + ending;
-    return text;
-  };
-  const auto common = [](const std::map<std::string, int>& kinds) {
-    return std::max_element(kinds.begin(), kinds.end(), [](auto& a, auto& b) { return a.second < b.second; })->first;
-  };
-  const auto command = [](const std::string& ending) {
-    const std::string kind = ending_of("a" + ending);
-    if (kind == ".heic" || kind == ".heif" || kind == ".avif")
-      return "with: for f in *" + ending + "; do heif-convert -q 95 \"$f\" \"${f%.*}.jpg\"; done";
-    return "with: mogrify -format jpg -quality 95 '*" + ending + "'";
-  };
-  if (!pictures.empty())
-    return "no .jpg or .png photos in it but " + list(pictures) + ": convert them in there " +
-           command(common(pictures));
-  if (!films.empty())
-    return "no .jpg or .png photos in it but " + list(films) +
-           ": take two or three pictures a second out of the film in there with: ffmpeg -i FILM" + common(films) +
-           " -vf fps=3 -q:v 2 %04d.jpg";
-  return {};
+  std::string list;
+  for (const auto& [ending, count] : pictures)
+    list += (list.empty() ? "" : ", ") + std::to_string(count) + " " + ending;
+  if (!pictures.empty()) {
+    const auto common =
+        std::max_element(pictures.begin(), pictures.end(), [](auto& a, auto& b) { return a.second < b.second; });
+    return "no .jpg or .png photos in it but " + list +
+           ": convert them in there with: mogrify -format jpg -quality 95 '*" + common->first + "'";
+  }
+  if (film.empty()) return {};
+  return "no .jpg or .png photos in it but " + film.filename().string() + ": give that itself, " + film.string();
 }
 
 bool is_photo(const fs::directory_entry& entry) {
@@ -84,7 +75,7 @@ bool is_photo(const fs::directory_entry& entry) {
 
 std::string text_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
 
-ImageSize one_size_of(const std::vector<fs::path>& files, const fs::path& folder) {
+ImageSize one_size_of(const std::vector<fs::path>& files, const std::string& shown) {
   for (const fs::path& file : files)
     if (::access(file.c_str(), R_OK) != 0)
       throw std::runtime_error(file.string() + ": cannot be read (" + std::strerror(errno) +
@@ -93,7 +84,7 @@ ImageSize one_size_of(const std::vector<fs::path>& files, const fs::path& folder
   for (const fs::path& file : files) {
     const ImageSize size = read_image_size(file);
     if (size == first) continue;
-    throw std::runtime_error(folder.string() + ": photos of two sizes, " + files.front().filename().string() + " is " +
+    throw std::runtime_error(shown + ": photos of two sizes, " + files.front().filename().string() + " is " +
                              text_of(first) + " and " + file.filename().string() + " " + text_of(size) +
                              ": keep only the photos of one sweep");
   }
@@ -122,6 +113,20 @@ Camera scaled(Camera camera, ImageSize size) {
   in.width = size.width;
   in.height = size.height;
   return camera;
+}
+
+// At least one.
+std::vector<fs::path> photos_of_capture(const fs::path& folder) {
+  if (!fs::exists(folder)) throw std::runtime_error(folder.string() + ": there is no such folder: check the name");
+  if (!fs::is_directory(folder))
+    throw std::runtime_error(folder.string() + ": is not a folder: give a folder of photos");
+  std::vector<fs::path> files = list_photos(folder);
+  const bool has_frames = fs::is_directory(folder / "frames");
+  if (files.empty() && has_frames) files = list_photos(folder / "frames");
+  if (!files.empty()) return files;
+  const std::string other = what_else(has_frames ? folder / "frames" : folder);
+  throw std::runtime_error(folder.string() + ": " +
+                           (other.empty() ? "no .jpg or .png photos in it: give a folder of photos" : other));
 }
 
 std::optional<double> positive(const nlohmann::json& json, const char* key) {
@@ -165,19 +170,13 @@ std::vector<fs::path> list_photos(const fs::path& folder) {
 }
 
 FolderFrames::FolderFrames(const fs::path& folder, const FolderFramesOptions& options)
-    : orientation_(options.orientation) {
+    : FolderFrames(photos_of_capture(folder), folder.string(), options) {}
+
+FolderFrames::FolderFrames(std::vector<fs::path> files, const std::string& shown, const FolderFramesOptions& options)
+    : files_(std::move(files)), orientation_(options.orientation) {
   if (options.max_pixels < 1024) throw std::logic_error("FolderFrames: max_pixels must be at least 1024");
-  if (!fs::exists(folder)) throw std::runtime_error(folder.string() + ": there is no such folder: check the name");
-  if (!fs::is_directory(folder))
-    throw std::runtime_error(folder.string() + ": is not a folder: give a folder of photos");
-  files_ = list_photos(folder);
-  if (files_.empty() && fs::is_directory(folder / "frames")) files_ = list_photos(folder / "frames");
-  if (files_.empty()) {
-    const std::string other = what_else(fs::is_directory(folder / "frames") ? folder / "frames" : folder);
-    throw std::runtime_error(folder.string() + ": " +
-                             (other.empty() ? "no .jpg or .png photos in it: give a folder of photos" : other));
-  }
-  stored_ = upright(one_size_of(files_, folder), orientation_);
+  if (files_.empty()) throw std::logic_error("FolderFrames: no files");
+  stored_ = upright(one_size_of(files_, shown), orientation_);
   working_ = shrunk(stored_, options.max_pixels);
 }
 

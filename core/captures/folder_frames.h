@@ -1,10 +1,10 @@
 // A capture folder as a source of frames, and what its capture.json says about it.
 //
 // Takes a folder of .jpg, .jpeg or .png photos of any names (upper or lower case), in name order with numbers by value;
-// when the folder itself holds none, its subfolder `frames`. Gives every frame at one working size: photos larger than
-// `max_pixels` are scaled down, so that memory is bounded by that and not by the camera.
-// Photos of several sizes, no photo at all, or an unreadable one are refused, naming the file. Nothing is decoded
-// before it is asked for.
+// when the folder itself holds none, its subfolder `frames`; or photos one by one, in the order given. Gives every
+// frame at one working size: photos larger than `max_pixels` are scaled down, so that memory is bounded by that and not
+// by the camera. Photos of several sizes, no photo at all, or an unreadable one are refused, naming the file. Nothing
+// is decoded before it is asked for.
 #pragma once
 
 #include <cstdint>
@@ -28,12 +28,15 @@ class FolderFrames : public FrameSource {
  public:
   // Throws std::runtime_error naming the folder or file and what to do.
   explicit FolderFrames(const std::filesystem::path& folder, const FolderFramesOptions& options = {});
+  // Of these files, at least one, of unlike names; errors that concern them all name them `shown`.
+  FolderFrames(std::vector<std::filesystem::path> files, const std::string& shown, const FolderFramesOptions& options);
 
   int size() const override { return static_cast<int>(files_.size()); }
   std::string name(int index) const override;
   RgbImage load(int index) const override;
   std::optional<double> focal_hint(int index) const override;
 
+  const std::vector<std::filesystem::path>& files() const { return files_; }
   ImageSize stored_size() const { return stored_; }    // size of the files, upright
   ImageSize working_size() const { return working_; }  // of every frame as loaded
 

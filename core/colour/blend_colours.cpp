@@ -72,8 +72,9 @@ class OpenPhotographs {
 
   void load(int index) {
     const auto i = static_cast<size_t>(index);
+    const DisplayExposure* local = photographs_.local.empty() ? nullptr : &photographs_.local;
     open_[i].emplace(Open{photographs_.frames.load(photographs_.frame_of_camera[i]),
-                          PhotoSampler(grid_, photographs_.cameras[i], photographs_.gains[i])});
+                          PhotoSampler(grid_, photographs_.cameras[i], photographs_.gains[i], local)});
   }
   void close(int index) {
     if (index >= 0) open_[static_cast<size_t>(index)].reset();
@@ -82,6 +83,11 @@ class OpenPhotographs {
   Colour sample(int index, const Voxel& voxel) const {
     const Open& open = *open_[static_cast<size_t>(index)];
     return open.sampler.sample(open.picture, voxel.x, voxel.y, voxel.w);
+  }
+
+  double distrust(int index, const Voxel& voxel) const {
+    const Open& open = *open_[static_cast<size_t>(index)];
+    return open.sampler.distrust(open.picture, voxel.x, voxel.y, voxel.w);
   }
 
   // What those around photograph `index` show of a voxel that they see: visit(neighbour, colour).
@@ -107,9 +113,9 @@ class OpenPhotographs {
   std::vector<std::optional<Open>> open_;  // one per camera
 };
 
-// What photograph `index` and its neighbours agree on.
-Colour consensus_colour(const OpenPhotographs& open, const BrightnessDifferences& differences, int index,
-                        const Voxel& voxel) {
+// What photograph `index` and its neighbours agree on, with its brightness.
+Colour own_consensus(const OpenPhotographs& open, const BrightnessDifferences& differences, int index,
+                     const Voxel& voxel) {
   const Colour own = open.sample(index, voxel);
   std::array<Colour, 1 + kNeighbourViews> samples{own};
   size_t count = 1;
@@ -120,6 +126,36 @@ Colour consensus_colour(const OpenPhotographs& open, const BrightnessDifferences
     ++count;
   });
   return consensus({samples.data(), count});
+}
+
+// What the neighbours alone show, with the brightness of photograph `index` where it is known: those that see the
+// voxel, or if none does those that see where it is.
+std::optional<Colour> others_consensus(const OpenPhotographs& open, const BrightnessDifferences& differences, int index,
+                                       Voxel voxel) {
+  for (const uint8_t neighbours : {voxel.neighbours, uint8_t{(1 << kNeighbourViews) - 1}}) {
+    voxel.neighbours = neighbours;
+    std::array<Colour, kNeighbourViews> samples{};
+    size_t count = 0;
+    open.for_neighbours(index, voxel, [&](int neighbour, const Colour& c) {
+      const Colour brighter = differences.at(voxel.x, voxel.y, neighbour).value_or(Colour{});
+      for (size_t k = 0; k < 3; ++k) samples[count][k] = c[k] - brighter[k];
+      ++count;
+    });
+    if (count > 0) return consensus({samples.data(), count});
+  }
+  return {};
+}
+
+// What photographs agree on; the less photograph `index` is to be trusted, the more what others do.
+Colour consensus_colour(const OpenPhotographs& open, const BrightnessDifferences& differences, int index,
+                        const Voxel& voxel) {
+  Colour colour = own_consensus(open, differences, index, voxel);
+  const double distrust = open.distrust(index, voxel);
+  if (distrust == 0) return colour;
+  const auto others = others_consensus(open, differences, index, voxel);
+  if (!others) return colour;
+  for (size_t k = 0; k < 3; ++k) colour[k] += static_cast<int>(distrust * ((*others)[k] - colour[k]));
+  return colour;
 }
 
 class LayerBlend {
@@ -137,7 +173,7 @@ class LayerBlend {
       for (int x = cells.begin_x(column); x < end_x; x += kCompareEvery) {
         if (task_.source->at(x, y) != index) continue;
         const Voxel voxel = at(x, y);
-        if (voxel.neighbours == 0) continue;
+        if (voxel.neighbours == 0 || open.distrust(index, voxel) > 0.5) continue;
         const Colour own = open.sample(index, voxel);
         open.for_neighbours(index, voxel, [&](int neighbour, const Colour& c) {
           samples[static_cast<size_t>(neighbour)].push_back({c[0] - own[0], c[1] - own[1], c[2] - own[2]});

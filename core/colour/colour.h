@@ -20,6 +20,7 @@
 #include "core/geometry/geometry.h"
 #include "core/geometry/visibility_map.h"
 #include "core/geometry/voxel_projection.h"
+#include "core/photos/exposure/gain_field.h"
 #include "core/photos/exposure_gain.h"
 #include "core/photos/frame_source.h"
 #include "core/photos/upright_frame.h"
@@ -88,6 +89,8 @@ struct Photographs {
   const std::vector<Camera>& cameras;
   const std::vector<int>& frame_of_camera;
   std::vector<Gain> gains;  // per camera
+  // Over the panorama; gains are those of light where it is not empty.
+  DisplayExposure local = {};
 };
 
 // One layer's choice of photographs (kNoSource = none) and where its colours go.

@@ -10,6 +10,10 @@ constexpr int kMaxCandidates = 8;  // the cameras nearest to the ray among those
 constexpr int kNoise = 3;          // levels by which samples of one surface may differ
 constexpr int kMostDiffer = 60;    // levels; what differs more is just another surface
 
+// Samples at local exposure (photo_sampler.h).
+constexpr double kUnclipped = 236, kClipped = 252;  // levels of the largest channel: it is not cut off, it is
+constexpr double kClippedDarker = 0.5;              // share of light taken away where that matters in full, 0 .. 1
+
 // Blending (blending.h).
 constexpr int kCompareEvery = 4;               // pixels, both ways: enough to compare photographs' brightness
 constexpr int kBrightnessCellPx = 64;          // at most, spread evenly over the panorama

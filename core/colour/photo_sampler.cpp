@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/colour/colour_tuning.h"
 #include "core/photos/catmull_rom.h"
 
 namespace ldp::colour {
@@ -56,8 +57,14 @@ Colour interpolate(const RgbImage& photo, const Eigen::Vector2d& position_px) {
 
 }  // namespace
 
-PhotoSampler::PhotoSampler(const PanoramaGrid& grid, const Camera& camera, const Gain& gain)
-    : grid_(grid), intrinsics_(camera.intrinsics), projection_(grid, camera), gain_(gain) {
+PhotoSampler::PhotoSampler(const PanoramaGrid& grid, const Camera& camera, const Gain& gain,
+                           const DisplayExposure* local)
+    : grid_(grid),
+      intrinsics_(camera.intrinsics),
+      projection_(grid, camera),
+      gain_(gain),
+      everywhere_(gain),
+      local_(local) {
   taps_ = std::clamp(static_cast<int>(std::lround(grid.v_pitch * intrinsics_.fy)), 1, 4);
   for (int i = 0; i < grid.width * taps_; ++i) headings_.push_back(heading(grid.theta((i + 0.5) / taps_)));
 }
@@ -71,7 +78,7 @@ Colour PhotoSampler::sample(const RgbImage& photo, int x, int y, double w) const
           interpolate(photo, project(intrinsics_, projection_.in_camera_axes(u, grid_.v(y + (j + 0.5) / taps_), w)));
       for (size_t k = 0; k < 3; ++k) sum[k] += c[k];
     }
-  return mean(sum, taps_ * taps_);
+  return mean(sum, taps_ * taps_, x, y);
 }
 
 std::optional<Colour> PhotoSampler::sample_if_inside(const RgbImage& photo, int x, int y, double w) const {
@@ -80,13 +87,44 @@ std::optional<Colour> PhotoSampler::sample_if_inside(const RgbImage& photo, int 
   if (q.z() < kLeastForward) return {};
   const Eigen::Vector2d p = project(intrinsics_, q);
   if (!(p.x() >= 0.5 && p.y() >= 0.5 && p.x() < photo.width - 0.5 && p.y() < photo.height - 0.5)) return {};
-  return taps_ == 1 ? mean(interpolate(photo, p), 1) : sample(photo, x, y, w);
+  const Colour colour = interpolate(photo, p);
+  if (distrust(colour, x, y) > 0.5) return {};
+  return taps_ == 1 ? mean(colour, 1, x, y) : sample(photo, x, y, w);
 }
 
-Colour PhotoSampler::mean(const Colour& sum, int count) const {
-  Colour colour = gain_(sum, kColourSteps * count);
+double PhotoSampler::distrust(const RgbImage& photo, int x, int y, double w) const {
+  if (local_ == nullptr) return 0;
+  const Heading u = headings_[static_cast<size_t>(x * taps_ + taps_ / 2)];
+  const Eigen::Vector3d q = projection_.in_camera_axes(u, grid_.v(y + 0.5), w);
+  return distrust(interpolate(photo, project(intrinsics_, q)), x, y);
+}
+
+double PhotoSampler::distrust(const Colour& colour, int x, int y) const {
+  using namespace tuning;
+  if (local_ == nullptr) return 0;
+  const double level = *std::max_element(colour.begin(), colour.end()) / static_cast<double>(kColourSteps);
+  if (level <= kUnclipped) return 0;
+  const std::array<double, 3> factor = factor_at(x, y);
+  const double darker = 1 - *std::min_element(factor.begin(), factor.end());
+  return std::clamp((level - kUnclipped) / (kClipped - kUnclipped), 0.0, 1.0) *
+         std::clamp(darker / kClippedDarker, 0.0, 1.0);
+}
+
+Colour PhotoSampler::mean(const Colour& sum, int count, int x, int y) const {
+  Colour colour = exposed(sum, kColourSteps * count, x, y);
   for (int& channel : colour) channel /= count;
   return colour;
+}
+
+Colour PhotoSampler::exposed(const Colour& colour, int units, int x, int y) const {
+  if (local_ == nullptr) return everywhere_(colour, units);
+  return with_light(colour, units, factor_at(x, y), local_->response);
+}
+
+std::array<double, 3> PhotoSampler::factor_at(int x, int y) const {
+  std::array<double, 3> factor = local_->factors.at((x + 0.5) / grid_.width, (y + 0.5) / grid_.height);
+  for (size_t c = 0; c < 3; ++c) factor[c] *= static_cast<double>(gain_[c]);
+  return factor;
 }
 
 }  // namespace ldp::colour

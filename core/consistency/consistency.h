@@ -86,7 +86,7 @@ struct ConsistencyOptions {
 struct Evidence {
   const FrameSource& frames;
   const std::vector<int>& frame_of_camera;
-  const std::vector<Gain>& gains;  // per camera
+  const std::vector<Gain>& gains;  // per camera; of light where the panorama has local exposure
 };
 
 // What to do with a photograph's map of Agreement, of half its size; may be empty.

@@ -1,4 +1,4 @@
-// Photographs at even exposure beside what the panorama shows in their place, one after another.
+// Photographs at the panorama's exposure beside what the panorama shows in their place, one after another.
 #pragma once
 
 #include <cstddef>
@@ -6,6 +6,8 @@
 #include "core/base/job.h"
 #include "core/consistency/consistency.h"
 #include "core/panorama/panorama.h"
+#include "core/photos/exposure/local_exposure.h"
+#include "core/photos/exposure/photo_exposure.h"
 #include "core/view/render.h"
 #include "core/view/strip_renderer.h"
 
@@ -25,8 +27,11 @@ class RenderedPhotos {
   RenderedPhoto take(size_t camera, const Job& job, Observer* observer = nullptr);
 
  private:
+  PhotoExposure exposure_of(size_t camera) const;
+
   const Evidence& evidence_;
   const LayeredPanorama& panorama_;
+  LocalExposure local_;
   StripRenderer renderer_;
 };
 

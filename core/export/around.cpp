@@ -16,11 +16,12 @@ constexpr double kSlit_rad = 0.01;
 // Where an equirectangular picture of the panorama's own resolution lies on the sphere.
 FlatPanorama frame_of(const PanoramaGrid& grid) {
   FlatPanorama flat;
-  flat.full_width = std::max(2, static_cast<int>(std::lround(2 * std::numbers::pi / grid.theta_pitch)));
+  flat.full_width = 2 * std::max(1, static_cast<int>(std::lround(std::numbers::pi / grid.theta_pitch)));
   flat.full_height = flat.full_width / 2;
   const double pitch = 2 * std::numbers::pi / flat.full_width;
   const double top = std::atan(grid.v_top), bottom = std::atan(grid.v(grid.height));
-  const int width = std::min(grid.width, flat.full_width);
+  // Even, so that its middle is the sphere's.
+  const int width = grid.wraps ? flat.full_width : std::max(2, std::min(grid.width, flat.full_width) / 2 * 2);
   const int height = std::clamp(static_cast<int>(std::lround((top - bottom) / pitch)), 1, flat.full_height);
   flat.image = RgbImage(width, height);
   flat.left = (flat.full_width - width) / 2;
@@ -32,7 +33,7 @@ FlatPanorama frame_of(const PanoramaGrid& grid) {
 struct Seen {
   Rgb colour;
   uint8_t alpha = 0;
-  float inverse_z = -1;  // negative: nothing
+  double inverse_z = -1;  // negative: nothing
 };
 
 // Between four pixels, each by its share of what is there.
@@ -53,7 +54,7 @@ Seen sample(const View& view, const Eigen::Vector2d& at) {
   if (alpha < 0.5) return {};
   const auto channel = [&](int i) { return static_cast<uint8_t>(std::lround(sum[i] / alpha)); };
   const float z = view.depth.at(static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y)));
-  return {{channel(0), channel(1), channel(2)}, static_cast<uint8_t>(std::lround(alpha)), z > 0 ? 1 / z : -1};
+  return {{channel(0), channel(1), channel(2)}, static_cast<uint8_t>(std::lround(alpha)), z > 0 ? 1.0 / z : -1};
 }
 
 class AroundView {
@@ -73,7 +74,8 @@ class AroundView {
       job.report("rendering", static_cast<double>(begin) / flat_.image.width);
       add_slit(begin, std::min(begin + columns, flat_.image.width), job);
     }
-    view::fill_background(inverse_z_, flat_.image, alpha_);
+    flat_.inverse_distance = view::background_behind_holes(inverse_distance_, alpha_);
+    view::fill_background(inverse_distance_, flat_.image, alpha_);
     return std::move(flat_);
   }
 
@@ -108,7 +110,7 @@ class AroundView {
         const Seen seen = sample(view, project(camera.intrinsics, ray));
         flat_.image.at(x, y) = seen.colour;
         alpha_.at(x, y) = seen.alpha;
-        inverse_z_.at(x, y) = seen.inverse_z;
+        inverse_distance_.at(x, y) = static_cast<float>(seen.inverse_z / ray.norm());
       }
   }
 
@@ -118,7 +120,7 @@ class AroundView {
   Eigen::Vector3d centre_;
   FlatPanorama flat_;
   Plane<uint8_t> alpha_{flat_.image.width, flat_.image.height};
-  Plane<float> inverse_z_{flat_.image.width, flat_.image.height};
+  Plane<float> inverse_distance_{flat_.image.width, flat_.image.height};
 };
 
 }  // namespace

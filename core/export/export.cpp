@@ -6,6 +6,7 @@
 
 #include "core/captures/transforms.h"
 #include "core/export/equirectangular.h"
+#include "core/export/picture_metadata.h"
 
 namespace ldp {
 namespace {
@@ -50,6 +51,7 @@ std::vector<uint8_t> export_seen(const std::filesystem::path& file, LayeredPanor
   const Renderer renderer(std::move(panorama));
   if (kind == Kind::stereo) return stereo_file(ending, frame, renderer, viewer, options.quality, job);
   const FlatPanorama flat = see_around(frame, renderer, viewer.at, job);
+  if (kind == Kind::depth) return depth_file(ending, flat, frame, options.quality);
   return picture_file(ending, flat.image, gpano_xmp(flat, frame), frame, options.quality);
 }
 

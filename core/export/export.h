@@ -29,8 +29,9 @@
 
 namespace ldp {
 
-// Seen all around from a place (around.h): by one eye; by two, a whole sphere for each, the left one's above.
-enum class Kind : uint8_t { panorama, stereo };
+// Seen all around from a place (around.h): by one eye; by two, a whole sphere for each, the left one's above; by one
+// eye with depth (picture_metadata.h): a .jpg with it inside, or depth alone as a .png of 16 bits.
+enum class Kind : uint8_t { panorama, stereo, depth };
 
 struct ExportOptions {
   int quality = 90;    // of JPEG images, 1 .. 100; WebP textures look alike

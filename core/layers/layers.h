@@ -77,12 +77,6 @@ int drop_unseen(const PanoramaGrid& grid, const CameraViews& views, const Job& j
 void fit_outlines(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const Job& job,
                   DisparityMap& layer);
 
-// Fuses depth maps (proposal_fusion.cpp): where `proposal` has another surface than the layer, the layer takes it over
-// if the photographs, compared with each other over both, contradict it less: summed over the pixels within `reach_px`
-// of it, both ways, that would come nearer, or of those that would go farther, as it does.
-void fuse_proposal(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const DisparityMap& proposal,
-                   int reach_px, const Job& job, DisparityMap& layer);
-
 // What lies `right` and `down` pixels from each pixel (of the panorama's edge, beyond it).
 DisparityMap shifted(const PanoramaGrid& grid, const DisparityMap& layer, int right, int down);
 

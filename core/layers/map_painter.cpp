@@ -101,14 +101,13 @@ void MapPainter::paint_pixel(const Sides& sides, int x, int y, int left_half_ste
   }
 }
 
-VisibilityMap empty_map(const PanoramaGrid& grid, const UprightCamera& camera, const LayersOptions& options) {
-  VisibilityMap map;
+void empty_map(const PanoramaGrid& grid, const UprightCamera& camera, const LayersOptions& options,
+               VisibilityMap& map) {
   const double nearest = std::max(grid.w_near, 1e-9) * 4;  // cameras stand off the ray origins: some room
-  map.inverse_z = Plane<uint16_t>(camera.height, camera.width, kUncovered);
+  assign(map.inverse_z, camera.height, camera.width, kUncovered);
   map.scale = nearest / 65535;
   const double label = (grid.w_near - grid.w_far) / (kLabels - 1);
   map.tolerance = static_cast<int>(std::min(65535.0, std::ceil(options.tolerance_labels * label / map.scale)));
-  return map;
 }
 
 }  // namespace ldp::layers

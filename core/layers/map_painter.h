@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/scratch_pool.h"
 #include "core/geometry/voxel_projection.h"
 #include "core/layers/layers.h"
 #include "core/layers/neighbours.h"
@@ -52,6 +53,22 @@ class MapPainter {
   SeenPixels* seen_;
 };
 
-VisibilityMap empty_map(const PanoramaGrid& grid, const UprightCamera& camera, const LayersOptions& options);
+// What a camera sees, and of which pixels. Kept to be painted over: most of their time is that of fresh memory.
+struct PaintedView {
+  VisibilityMap map;
+  SeenPixels seen;
+};
+using PaintedViews = ScratchPool<PaintedView>;
+
+// Anew, in the memory that is there where it suffices.
+template <typename T>
+void assign(Plane<T>& plane, int width, int height, T value) {
+  plane.width = width;
+  plane.height = height;
+  plane.samples.assign(static_cast<size_t>(width) * static_cast<size_t>(height), value);
+}
+
+// Of a camera that sees nothing yet.
+void empty_map(const PanoramaGrid& grid, const UprightCamera& camera, const LayersOptions& options, VisibilityMap& map);
 
 }  // namespace ldp::layers

@@ -85,17 +85,17 @@ std::vector<size_t> PhotoConsistency::witnesses(size_t k) const {
   return cameras;
 }
 
-int PhotoConsistency::difference(size_t k, int x, int y, const std::vector<VisibilityMap>& maps) const {
+int PhotoConsistency::difference(size_t k, int x, int y, const std::vector<const VisibilityMap*>& maps) const {
   const UprightFrame& own = frames_[k];
-  const uint16_t steps = maps[k].inverse_z.row(x)[y];
+  const uint16_t steps = maps[k]->inverse_z.row(x)[y];
   if (steps == kUncovered || !has_neighbours(own, {x, y})) return kUnknownDifference;
-  const double inverse_z = steps * maps[k].scale;
+  const double inverse_z = steps * maps[k]->scale;
   const double to_right = (x + 0.5 - own.camera.cx) / own.camera.focal,
                to_down = (y + 0.5 - own.camera.cy) / own.camera.focal;
   int sum = 0, views = 0;
   for (const Witness& to : witnesses_[k]) {
     const UprightFrame& other = frames_[to.frame];
-    const VisibilityMap& map = maps[to.frame];
+    const VisibilityMap& map = *maps[to.frame];
     const double forward = to.forward_of_forward + to_right * to.forward_of_right + inverse_z * to.step_forward;
     if (forward < kLeastForward) continue;
     const double right = to.right_of_forward + to_right * to.right_of_right + inverse_z * to.step_right,

@@ -23,8 +23,8 @@ class PhotoConsistency {
   // Mean difference [1/kDifferenceSteps grey levels] of camera k's pixel (x, y), where it sees the surface of
   // maps[k], from the cameras that see it there too; what half a pixel may change is none. kUnknownDifference where no
   // other does, or no surface is.
-  // Maps of other cameras than k and its witnesses may be empty.
-  int difference(size_t k, int x, int y, const std::vector<VisibilityMap>& maps) const;
+  // Maps of other cameras than k and its witnesses may be null.
+  int difference(size_t k, int x, int y, const std::vector<const VisibilityMap*>& maps) const;
 
  private:
   // From one upright camera's axes to another's; both stand upright on the arc's plane.

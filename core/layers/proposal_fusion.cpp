@@ -1,141 +1,118 @@
-// Which of two depth maps the photographs contradict less, place by place. (Fusion of proposals, Lempitsky et al. 2010,
-// chosen by what every camera sees under both instead of by an energy of rays: only so does a surface pay for what it
-// hides.)
+#include "core/layers/proposal_fusion.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
+#include <functional>
 #include <iterator>
-#include <vector>
+#include <memory>
 
-#include "core/layers/layers.h"
 #include "core/layers/layers_tuning.h"
-#include "core/layers/map_painter.h"
 #include "core/layers/neighbours.h"
-#include "core/layers/photo_consistency.h"
 
 namespace ldp::layers {
 namespace {
 
 using namespace tuning;
 
-constexpr size_t kCamerasAtOnce = 4;
-
 enum Change : uint8_t { kSame, kNearer, kFarther };
 
-// What the proposal would change, stored column by column.
-Plane<uint8_t> changes(const PanoramaGrid& grid, const DisparityMap& layer, const DisparityMap& proposal) {
-  Plane<uint8_t> columns(layer.height, layer.width, kSame);
-  const int tolerance = static_cast<int>(parallax_steps(grid, kFusionApartPx));
-  for (int y = 0; y < layer.height; ++y)
-    for (int x = 0; x < layer.width; ++x) {
-      const int own = layer.at(x, y), other = proposal.at(x, y);
-      if (own == kNoDisparity || other == kNoDisparity || std::abs(own - other) <= tolerance) continue;
-      columns.at(y, x) = other > own ? kNearer : kFarther;
-    }
-  return columns;
+constexpr size_t kCamerasAtOnce = 4;
+
+// Of cameras from `first` to before `end`.
+std::vector<size_t> with_witnesses(const PhotoConsistency& photos, size_t first, size_t end) {
+  std::vector<size_t> all;
+  for (size_t k = first; k < end; ++k) {
+    all.push_back(k);
+    for (const size_t witness : photos.witnesses(k)) all.push_back(witness);
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
 }
 
-// One of the two depth maps, as some of the cameras see it.
+// A depth map as the cameras see it: painted for some of them at a time, each map let go when no one asks for it.
 class Hypothesis {
  public:
-  Hypothesis(const PanoramaGrid& grid, const DisparityMap& layer, size_t cameras)
-      : brush_(grid, layer, {}), maps_(cameras), seen_(cameras) {}
+  // All but the map must outlive it.
+  Hypothesis(const PanoramaGrid& grid, const DisparityMap& map, const std::vector<UprightFrame>& frames,
+             PaintedViews& memory);
+  ~Hypothesis();
+  Hypothesis(const Hypothesis&) = delete;
+  Hypothesis& operator=(const Hypothesis&) = delete;
 
-  void look(size_t camera, const UprightCamera& from) {
-    maps_[camera] = empty_map(brush_.grid, from, {});
-    seen_[camera] = SeenPixels(from.height, from.width, kSeesNothing);
-    MapPainter painter(brush_, from, maps_[camera], &seen_[camera]);
-    for (int x = 0; x < brush_.grid.width; ++x) painter.paint(x);
-  }
-  void forget(size_t camera) {
-    maps_[camera] = {};
-    seen_[camera] = {};
-  }
+  void look(size_t camera);
+  void forget(size_t camera);
 
-  const std::vector<VisibilityMap>& maps() const { return maps_; }
-  const SeenPixels& seen(size_t camera) const { return seen_[camera]; }
+  // Null where not looked at.
+  const std::vector<const VisibilityMap*>& maps() const { return maps_; }
+  const SeenPixels& seen(size_t camera) const { return views_[camera]->seen; }
 
  private:
   Brush brush_;
-  std::vector<VisibilityMap> maps_;
-  std::vector<SeenPixels> seen_;
+  const std::vector<UprightFrame>& frames_;
+  PaintedViews& memory_;
+  std::vector<std::unique_ptr<PaintedView>> views_;  // one per camera
+  std::vector<const VisibilityMap*> maps_;
 };
 
-// By how much less the photographs contradict the proposal than the layer, by pixel of the panorama that changes. A few
-// cameras at a time, so that only they and their witnesses are kept.
-class Comparison {
- public:
-  Comparison(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const Plane<uint8_t>& changes,
-             const DisparityMap& layer, const DisparityMap& proposal)
-      : frames_(frames),
-        changes_(changes),
-        photos_(grid, frames),
-        own_(grid, layer, frames.size()),
-        other_(grid, proposal, frames.size()),
-        gains_(changes.width, changes.height, 0) {}
+Hypothesis::Hypothesis(const PanoramaGrid& grid, const DisparityMap& map, const std::vector<UprightFrame>& frames,
+                       PaintedViews& memory)
+    : brush_(grid, map, {}), frames_(frames), memory_(memory), views_(frames.size()), maps_(frames.size()) {}
 
-  // Stored like the changes [1/kDifferenceSteps grey levels].
-  Plane<int32_t> gains(const Job& job) {
-    std::vector<size_t> kept;
-    for (size_t first = 0; first < frames_.size(); first += kCamerasAtOnce) {
-      std::vector<size_t> cameras;
-      for (size_t k = first; k < std::min(frames_.size(), first + kCamerasAtOnce); ++k) cameras.push_back(k);
-      look(with_witnesses(cameras), kept, job);
-      parallel_for(job, static_cast<int>(cameras.size()),
-                   [&](int i) { add_gains_of(cameras[static_cast<size_t>(i)]); });
-    }
-    return std::move(gains_);
+Hypothesis::~Hypothesis() {
+  for (size_t camera = 0; camera < views_.size(); ++camera) forget(camera);
+}
+
+void Hypothesis::look(size_t camera) {
+  const UprightCamera& from = frames_[camera].camera;
+  auto view = memory_.take();
+  empty_map(brush_.grid, from, {}, view->map);
+  assign(view->seen, from.height, from.width, kSeesNothing);
+  MapPainter painter(brush_, from, view->map, &view->seen);
+  for (int x = 0; x < brush_.grid.width; ++x) painter.paint(x);
+  maps_[camera] = &view->map;
+  views_[camera] = std::move(view);
+}
+
+void Hypothesis::forget(size_t camera) {
+  maps_[camera] = nullptr;
+  if (views_[camera]) memory_.give_back(std::move(views_[camera]));
+}
+
+// Calls use(camera) for every camera once, in no order and at the same time for some, when all hypotheses have looked
+// through it and its witnesses.
+void for_each_camera(const PhotoConsistency& photos, size_t cameras, const std::vector<Hypothesis*>& hypotheses,
+                     const Job& job, const std::function<void(size_t)>& use) {
+  std::vector<size_t> kept;
+  const int count = static_cast<int>(hypotheses.size());
+  for (size_t first = 0; first < cameras; first += kCamerasAtOnce) {
+    const size_t end = std::min(cameras, first + kCamerasAtOnce);
+    std::vector<size_t> wanted = with_witnesses(photos, first, end), missing;
+    for (const size_t camera : kept)
+      if (!std::binary_search(wanted.begin(), wanted.end(), camera))
+        for (Hypothesis* hypothesis : hypotheses) hypothesis->forget(camera);
+    std::set_difference(wanted.begin(), wanted.end(), kept.begin(), kept.end(), std::back_inserter(missing));
+    parallel_for(job, count * static_cast<int>(missing.size()), [&](int i) {
+      hypotheses[static_cast<size_t>(i % count)]->look(missing[static_cast<size_t>(i / count)]);
+    });
+    parallel_for(job, static_cast<int>(end - first), [&](int i) { use(first + static_cast<size_t>(i)); });
+    kept = std::move(wanted);
   }
+}
+
+// Sums over pixels, of which cameras add to one at the same time. (Integers: their order does not matter.)
+class PixelSums {
+ public:
+  PixelSums(int columns, int rows) : sums_(rows, columns, 0) {}
+
+  void add(uint32_t pixel, int value) {
+    std::atomic_ref<int32_t>(sums_.samples[pixel]).fetch_add(value, std::memory_order_relaxed);
+  }
+  Plane<int32_t> take() { return std::move(sums_); }
 
  private:
-  std::vector<size_t> with_witnesses(const std::vector<size_t>& cameras) const {
-    std::vector<size_t> all = cameras;
-    for (const size_t k : cameras)
-      for (const size_t witness : photos_.witnesses(k)) all.push_back(witness);
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
-    return all;
-  }
-
-  // Through the cameras that are wanted, and no others any longer.
-  void look(const std::vector<size_t>& wanted, std::vector<size_t>& kept, const Job& job) {
-    for (const size_t camera : kept)
-      if (!std::binary_search(wanted.begin(), wanted.end(), camera)) own_.forget(camera), other_.forget(camera);
-    std::vector<size_t> missing;
-    std::set_difference(wanted.begin(), wanted.end(), kept.begin(), kept.end(), std::back_inserter(missing));
-    parallel_for(job, 2 * static_cast<int>(missing.size()), [&](int i) {
-      const size_t camera = missing[static_cast<size_t>(i / 2)];
-      (i % 2 == 0 ? own_ : other_).look(camera, frames_[camera].camera);
-    });
-    kept = wanted;
-  }
-
-  // Over the camera's pixels that show a change under either. (Integers: the order of cameras does not matter.)
-  void add_gains_of(size_t camera) {
-    const UprightFrame& frame = frames_[camera];
-    for (int x = 0; x < frame.camera.width; ++x) {
-      const uint32_t *before = own_.seen(camera).row(x), *after = other_.seen(camera).row(x);
-      for (int y = frame.valid_begin[static_cast<size_t>(x)]; y < frame.valid_end[static_cast<size_t>(x)]; ++y) {
-        const bool hides = changed(before[y]), shows = changed(after[y]);
-        if (!hides && !shows) continue;
-        const int gain =
-            photos_.difference(camera, x, y, own_.maps()) - photos_.difference(camera, x, y, other_.maps());
-        if (hides) add(before[y], gain);
-        if (shows && after[y] != before[y]) add(after[y], gain);
-      }
-    }
-  }
-
-  bool changed(uint32_t pixel) const { return pixel != kSeesNothing && changes_.samples[pixel] != kSame; }
-  void add(uint32_t pixel, int gain) {
-    std::atomic_ref<int32_t>(gains_.samples[pixel]).fetch_add(gain, std::memory_order_relaxed);
-  }
-
-  const std::vector<UprightFrame>& frames_;
-  const Plane<uint8_t>& changes_;
-  PhotoConsistency photos_;
-  Hypothesis own_, other_;
-  Plane<int32_t> gains_;
+  Plane<int32_t> sums_;
 };
 
 // Sums of gains over squares, of one kind of change.
@@ -183,14 +160,52 @@ namespace ldp {
 
 using namespace layers;
 
-void fuse_proposal(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const DisparityMap& proposal,
-                   int reach_px, const Job& job, DisparityMap& layer) {
-  const Plane<uint8_t> change = changes(grid, layer, proposal);
-  const Plane<int32_t> gains = Comparison(grid, frames, change, layer, proposal).gains(job);
+ProposalFusion::ProposalFusion(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames)
+    : grid_(grid), frames_(frames), photos_(grid, frames) {}
+
+void ProposalFusion::fuse(const DisparityMap& proposal, int reach_px, const Job& job, DisparityMap& layer) {
+  const Plane<uint8_t> change = changes(layer, proposal);
+  const Plane<int32_t> gain = gains(change, layer, proposal, job);
   for (const Change kind : {kNearer, kFarther}) {
-    SquareSums sums(gains, change, kind, reach_px);
+    SquareSums sums(gain, change, kind, reach_px);
     for (int x = 0; x < layer.width; ++x) sums.next(x, [&](int y) { layer.at(x, y) = proposal.at(x, y); });
   }
+}
+
+// Stored column by column.
+Plane<uint8_t> ProposalFusion::changes(const DisparityMap& layer, const DisparityMap& proposal) const {
+  Plane<uint8_t> columns(layer.height, layer.width, kSame);
+  const int tolerance = static_cast<int>(parallax_steps(grid_, tuning::kFusionApartPx));
+  for (int y = 0; y < layer.height; ++y)
+    for (int x = 0; x < layer.width; ++x) {
+      const int own = layer.at(x, y), other = proposal.at(x, y);
+      if (own == kNoDisparity || other == kNoDisparity || std::abs(own - other) <= tolerance) continue;
+      columns.at(y, x) = other > own ? kNearer : kFarther;
+    }
+  return columns;
+}
+
+// By how much less the photographs contradict the proposal than the layer, by pixel of the panorama that changes,
+// stored like the changes [1/kDifferenceSteps grey levels]: over the cameras' pixels that show one under either.
+Plane<int32_t> ProposalFusion::gains(const Plane<uint8_t>& changes, const DisparityMap& layer,
+                                     const DisparityMap& proposal, const Job& job) {
+  Hypothesis own(grid_, layer, frames_, memory_), other(grid_, proposal, frames_, memory_);
+  PixelSums sums(layer.width, layer.height);
+  const auto changed = [&](uint32_t pixel) { return pixel != kSeesNothing && changes.samples[pixel] != kSame; };
+  for_each_camera(photos_, frames_.size(), {&own, &other}, job, [&](size_t camera) {
+    const UprightFrame& frame = frames_[camera];
+    for (int x = 0; x < frame.camera.width; ++x) {
+      const uint32_t *before = own.seen(camera).row(x), *after = other.seen(camera).row(x);
+      for (int y = frame.valid_begin[static_cast<size_t>(x)]; y < frame.valid_end[static_cast<size_t>(x)]; ++y) {
+        const bool hides = changed(before[y]), shows = changed(after[y]);
+        if (!hides && !shows) continue;
+        const int gain = photos_.difference(camera, x, y, own.maps()) - photos_.difference(camera, x, y, other.maps());
+        if (hides) sums.add(before[y], gain);
+        if (shows && after[y] != before[y]) sums.add(after[y], gain);
+      }
+    }
+  });
+  return sums.take();
 }
 
 }  // namespace ldp

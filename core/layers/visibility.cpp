@@ -30,7 +30,7 @@ using namespace layers;
 void add_layer(const PanoramaGrid& grid, const DisparityMap& layer, const std::vector<UprightFrame>& frames,
                const LayersOptions& options, const Job& job, std::vector<VisibilityMap>& maps) {
   if (maps.empty())
-    for (const UprightFrame& frame : frames) maps.push_back(empty_map(grid, frame.camera, options));
+    for (const UprightFrame& frame : frames) empty_map(grid, frame.camera, options, maps.emplace_back());
   const Brush brush(grid, layer, options);
   parallel_for(job, static_cast<int>(frames.size()), [&](int i) {
     const auto index = static_cast<size_t>(i);

@@ -9,6 +9,7 @@
 #include "core/base/plane.h"
 #include "core/geometry/disparity.h"
 #include "core/geometry/geometry.h"
+#include "core/photos/exposure/gain_field.h"
 
 namespace ldp {
 
@@ -36,6 +37,9 @@ struct LayeredPanorama {
   ViewingLimits limits;
   std::map<std::string, double> quality;        // named figures, e.g. "psnr_leave_one_out_db"
   std::map<std::string, std::string> metadata;  // e.g. "device", "captured_utc" (ISO 8601), "software"
+  // By what light colours at even exposure were multiplied, by direction, the same for all layers (local_exposure.h);
+  // empty where colours are at even exposure.
+  DisplayExposure exposure = {};
 };
 
 }  // namespace ldp

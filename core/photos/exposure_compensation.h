@@ -6,23 +6,13 @@
 // do not matter; gains solve all links by iteratively re-weighted least squares in logarithms, their mean being 1.
 #pragma once
 
-#include <array>
 #include <vector>
 
-#include "core/base/plane.h"
 #include "core/geometry/geometry.h"
+#include "core/photos/exposure/overlap_samples.h"
 #include "core/photos/exposure_gain.h"
 
 namespace ldp {
-
-// Means of square blocks of a photo, and how far a block's pixels can be trusted (no clipped pixel).
-struct Thumbnail {
-  int block_px = 0;
-  Plane<std::array<float, 3>> mean;
-  Plane<uint8_t> usable;
-};
-
-Thumbnail make_thumbnail(const RgbImage& photo);
 
 std::vector<Gain> exposure_gains(const std::vector<Camera>& cameras, const std::vector<Thumbnail>& thumbnails,
                                  const std::vector<ScenePoint>& points);

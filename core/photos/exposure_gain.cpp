@@ -29,6 +29,8 @@ double darkened(double level, double gain) {
   return level * (gain + (1 - gain) * t * t);
 }
 
+double exposed(double level, double gain) { return gain >= 1 ? brightened(level, gain) : darkened(level, gain); }
+
 }  // namespace
 
 ExposureGain::ExposureGain(const Gain& gain) {
@@ -36,8 +38,7 @@ ExposureGain::ExposureGain(const Gain& gain) {
     const auto g = static_cast<double>(gain[c]);
     for (size_t i = 0; i <= 256; ++i) {
       const double level = std::clamp(static_cast<double>(i), 1.0, kWhite);
-      const double to = g >= 1 ? brightened(level, g) : darkened(level, g);
-      factor_q12_[c][i] = static_cast<int>(std::floor(to / level * kOne + 0.5));
+      factor_q12_[c][i] = static_cast<int>(std::floor(exposed(level, g) / level * kOne + 0.5));
     }
   }
 }

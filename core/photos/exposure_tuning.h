@@ -24,4 +24,21 @@ constexpr double kBrightShoulder = 208;  // of the level that a gain above 1 giv
 constexpr double kDarkShoulder = 224;    // of a level under a gain below 1; nearer to white: what is not clipped shall
                                          // match what others show of it
 
+// Calibration (calibration.h). Logarithms are natural ones.
+constexpr size_t kSlopes = 8;                        // levels between which the response's slope is linear, from 3
+constexpr double kFirstSlope = 16, kSlopeStep = 32;  // those levels: 16 .. 240
+constexpr double kMeanSlope = 1 / 2.2;               // of them; above 0
+constexpr double kLeastSlope = 0.05;                 // above 0
+constexpr double kSlopeBend = 0.05;       // by which a slope differs from the mean of those beside it, times two
+constexpr double kLevelSigma = 0.1;       // of the level of one thing in two photographs; beyond, it loses weight
+constexpr double kLightTintSigma = 0.1;   // of two photographs' white balance, before they are compared
+constexpr int kCalibrations = 10;         // rounds, from 1
+constexpr double kLargestLightGain = 15;  // factor, from 1; its inverse is the smallest
+
+// Local exposure (local_exposure.h).
+constexpr double kLeastLocalFactor = 1.2;  // by which even exposure may differ from the photographs, from 1
+constexpr double kLocalSigma_rad = 0.26;   // angle from a photograph's axis within which it counts, above 0
+constexpr double kNode_rad = 0.07;         // between nodes of a field, a third of that, above 0
+constexpr int kMostNodes = 256;            // along a side, as a file may have
+
 }  // namespace ldp::exposure

@@ -71,6 +71,7 @@ std::vector<uint8_t> encode_png(const RgbImage& image, const Plane<uint8_t>& alp
 std::string png_software(std::span<const uint8_t> bytes);  // as told before the pixels; empty = not, or no sound PNG
 std::vector<uint8_t> encode_png(const Plane<uint8_t>& grey);
 std::vector<uint8_t> encode_png(const Plane<uint16_t>& grey);
+std::vector<uint8_t> encode_png(const Plane<uint16_t>& grey, const std::string& xmp);
 constexpr int kMaxWebpSide = 16383;
 std::vector<uint8_t> encode_webp(const RgbImage& image, int quality);  // quality 1 .. 100, 4:2:0
 std::vector<uint8_t> encode_webp_lossless(const RgbImage& image);

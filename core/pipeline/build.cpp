@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -10,6 +11,8 @@
 #include "core/colour/colour.h"
 #include "core/consistency/consistency.h"
 #include "core/layers/layers.h"
+#include "core/layers/proposal_fusion.h"
+#include "core/photos/exposure/local_exposure.h"
 #include "core/pipeline/code_layers.h"
 #include "core/pipeline/crop.h"
 #include "core/pipeline/debug_pictures.h"
@@ -36,7 +39,7 @@ void require(bool sound, const std::string& field, int value, const std::string&
 void check(const BuildOptions& options) {
   require(options.layers >= 1 && options.layers <= 8, "layers", options.layers, "1 .. 8");
   require(options.labels >= 2 && options.labels <= kLabels, "labels", options.labels, "2 .. 16");
-  require(options.iterations >= 1 && options.iterations <= 4, "iterations", options.iterations, "1 .. 4");
+  require(options.iterations >= 0 && options.iterations <= 4, "iterations", options.iterations, "0 .. 4");
   require(options.block_px >= 0, "block_px", options.block_px, "0 or more");
 }
 
@@ -46,12 +49,13 @@ class Build {
   Build(const FrameSource& frames, const BuildOptions& options, const Job& job, PoseEstimator begun)
       : frames_(frames),
         options_(options),
+        effort_(options_of(options.effort)),
         job_(job),
-        watch_(report_.seconds),
+        watch_(report_.seconds, report_.processor_seconds),
         pictures_(options.debug_directory),
         begun_(std::move(begun)) {}
 
-  BuildResult run() { return run_in_order(*this, options_.layers, options_.iterations); }
+  BuildResult run() { return run_in_order(*this, options_.layers, iterations_of(options_)); }
 
  private:
   template <typename Stages>
@@ -63,6 +67,7 @@ class Build {
     poses_ = options_.cameras.empty() ? estimate_poses(frames_, std::move(begun_), job_)
                                       : triangulate(frames_, options_.cameras, options_.poses, job_);
     if (!poses_.report.doubt.empty()) report_.notes.push_back("the poses may be wrong: " + poses_.report.doubt);
+    if (const std::string what = wrong_exif_lens(poses_.report); !what.empty()) report_.notes.push_back(what);
     watch_.lap("poses");
   }
 
@@ -72,11 +77,13 @@ class Build {
     layout_ = std::make_unique<GridLayout>(poses_, report_.arc, options_, report_.notes);
     watch_.lap("arc");
     upright_ = rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc,
-                       layout_->pitch_px(), job_);
+                       layout_->pitch_px(), job_, &calibration_);
     watch_.lap("rectify");
     if (parallax()) layout_->take_in_what_is_nearer(upright_, job_);
     grid_ = layout_->grid();
     columns_of_colour_ = layout_->columns_of_colour();
+    report_.laid = {grid_.width, grid_.height, columns_of_colour_,
+                    upright_pixels(poses_.cameras, report_.arc.arc, layout_->pitch_px())};
     watch_.lap("depth range");
     if (parallax()) leave_out_unseen();
   }
@@ -152,17 +159,17 @@ class Build {
   // The later of two iterations frees what stands beside near surfaces, and eats their edges where they are plain; each
   // is right in places. Then every pixel is offered the surfaces around it.
   void fuse_proposals(DisparityMap& layer) {
-    const auto choose = [&](const DisparityMap& proposal, int reach_px) {
-      fuse_proposal(grid_, upright_, proposal, reach_px, job_, layer);
-    };
+    ProposalFusion fusion(grid_, upright_);
     if (!layers_.empty()) {
       DisparityMap before = std::move(layers_[0]);
       fit_outlines(grid_, upright_, job_, before);
-      choose(before, kIterationsReachPx);
+      fusion.fuse(before, kIterationsReachPx, job_, layer);
     }
-    for (const int px : kPropagationPx)
+    for (const int px : effort_.background_px)
+      fusion.fuse(without_silhouettes(layer, px), kPropagationReachPx, job_, layer);
+    for (const int px : effort_.propagation_px)
       for (const auto& [right, down] : {std::pair(px, 0), {-px, 0}, {0, px}, {0, -px}})
-        choose(shifted(grid_, layer, right, down), kPropagationReachPx);
+        fusion.fuse(shifted(grid_, layer, right, down), kPropagationReachPx, job_, layer);
     absorb_specks(grid_, kFrontSpeckPx, layer);
   }
 
@@ -214,14 +221,14 @@ class Build {
   SweepOptions sweep_options() const {
     SweepOptions sweep;
     sweep.labels = options_.labels;
-    if (!last_) sweep.substeps = kHidingSubsteps;
+    sweep.substeps = last_ ? effort_.substeps : kHidingSubsteps;
     return sweep;
   }
 
   Plane<uint8_t> solve(const CostSource& costs, const Plane<uint8_t>& mask, const std::string& name) {
     SolveOptions solving;
     solving.iterations = last_ ? kIterations : kHidingIterations;
-    solving.cycles = last_ ? kCycles : kHidingCycles;
+    solving.cycles = last_ ? effort_.cycles : kHidingCycles;
     Labelling labelling = solve_depth(costs, mask, solving, job_);
     report_.solves.push_back({"depth " + name, labelling.report});
     pictures_.labels("labels " + name, labelling.labels, options_.labels - 1);
@@ -244,7 +251,7 @@ class Build {
       const SourceCandidates candidates(grid_, layers_[k], upright_, visibility_, colour);
       ColourSolveOptions solving;
       solving.iterations = kIterations;
-      solving.cycles = kCycles;
+      solving.cycles = effort_.cycles;
       ColourSolve solved = solve_colour(candidates, solving, job_);
       const std::string name = "colour layer " + std::to_string(k + 1);
       report_.solves.push_back({name, solved.report});
@@ -271,7 +278,9 @@ class Build {
     panorama.cameras = poses_.cameras;
     panorama.limits = viewing_limits();
     panorama.layers = code_layers(grid_, columns_of_colour_, options_.block_px, layers_, sources_);
-    fetch(panorama.layers);
+    collect_gains();
+    panorama.exposure = local_exposure();
+    fetch(panorama.exposure, panorama.layers);
     for (size_t k = 0; k < layers_.size(); ++k) {
       const auto present =
           std::count(panorama.layers[k].coverage.samples.begin(), panorama.layers[k].coverage.samples.end(), 1);
@@ -289,12 +298,22 @@ class Build {
     return result;
   }
 
-  void fetch(std::vector<Layer>& layers) {
-    for (size_t i = 0; i < upright_.size(); ++i) {
-      gains_.push_back(upright_[i].gain);
-      report_.gains[poses_.cameras[i].name] = upright_[i].gain;
-    }
-    const Photographs photographs{frames_, poses_.cameras, poses_.frame_of_camera, gains_};
+  void collect_gains() {
+    for (const UprightFrame& frame : upright_) gains_.push_back(frame.gain);
+    for (size_t i = 0; i < gains_.size(); ++i) report_.gains[poses_.cameras[i].name] = own_gains()[i];
+  }
+
+  // Empty where one exposure does for all.
+  DisplayExposure local_exposure() const {
+    if (!calibration_) return {};
+    return {LocalExposure(poses_.cameras, calibration_->light_gains).over(grid_), calibration_->response};
+  }
+
+  // Of levels; of light where exposure is local.
+  const std::vector<Gain>& own_gains() const { return calibration_ ? calibration_->light_gains : gains_; }
+
+  void fetch(const DisplayExposure& local, std::vector<Layer>& layers) {
+    const Photographs photographs{frames_, poses_.cameras, poses_.frame_of_camera, own_gains(), local};
     std::vector<UprightFrame>().swap(upright_);  // the colours need their memory
     std::vector<ColourTask> tasks;
     for (size_t k = 0; k < layers.size(); ++k)
@@ -314,7 +333,7 @@ class Build {
       };
     Rephotography rephotography(grid_, poses_.cameras, gains_, job_, report_.evidence);
     report_.consistency =
-        hold_against({frames_, poses_.frame_of_camera, gains_}, panorama, {}, job_, sink, &rephotography);
+        hold_against({frames_, poses_.frame_of_camera, own_gains()}, panorama, {}, job_, sink, &rephotography);
     watch_.lap("consistency");
   }
 
@@ -329,6 +348,7 @@ class Build {
 
   const FrameSource& frames_;
   const BuildOptions& options_;
+  const EffortOptions& effort_;
   const Job& job_;
   BuildReport report_;
   Stopwatch watch_;
@@ -345,10 +365,15 @@ class Build {
   std::vector<VisibilityMap> visibility_;     // of all layers; empty for one far layer
   std::vector<SourceMap> sources_;            // of the colours
   std::vector<Plane<uint8_t>> neighbours_;
-  std::vector<Gain> gains_;  // of the photos
+  std::vector<Gain> gains_;                 // of the photos
+  std::optional<Calibration> calibration_;  // of their light, where exposure is local
 };
 
 }  // namespace
+
+int iterations_of(const BuildOptions& options) {
+  return options.iterations > 0 ? options.iterations : options_of(options.effort).iterations;
+}
 
 BuildResult build(const FrameSource& frames, const BuildOptions& options, const Job& job) {
   return build(frames, options, job, PoseEstimator(options.poses));

@@ -15,6 +15,7 @@
 #include "core/geometry/geometry.h"
 #include "core/panorama/panorama.h"
 #include "core/photos/frame_source.h"
+#include "core/pipeline/effort.h"
 #include "core/poses/poses.h"
 #include "core/solve/solve.h"
 #include "core/verdict/evidence.h"
@@ -27,9 +28,10 @@ constexpr size_t kEasyMemory = 128 << 20;  // bytes that every board has to spar
 struct BuildOptions {
   int layers = 3;   // 1 .. 8
   int labels = 16;  // 2 .. 16
-  // 1 .. 4. From the second on, what the one before found hides voxels from cameras; of the last two, the photographs
-  // choose place by place.
-  int iterations = 2;
+  Effort effort = Effort::standard;
+  // 1 .. 4, or 0 = as many as the effort says. From the second on, what the one before found hides voxels from cameras;
+  // of the last two, the photographs choose place by place.
+  int iterations = 0;
   Rays rays = Rays::pushbroom;
   int block_px = 16;                     // of the depth codes; 0 = uniform codes
   double near_depth = 0, far_depth = 0;  // capture's unit; 0 = from the points
@@ -42,18 +44,28 @@ struct BuildOptions {
   std::string debug_directory;  // empty = no pictures
 };
 
+int iterations_of(const BuildOptions& options);
+
 struct SolveEntry {
   std::string name;  // "depth layer 1 iteration 2", "colour layer 1"
   SolveReport report;
 };
 
+// What memory is needed for (memory_budget.h): the grid on which depths are found, before what no photo sees is cut.
+struct LaidGrid {
+  int width = 0, height = 0, columns_of_colour = 1;  // the last to each of its columns
+  size_t upright_px = 0;                             // of all upright photos together
+};
+
 struct BuildReport {
-  std::vector<std::pair<std::string, double>> seconds;  // per stage, in order
+  std::vector<std::pair<std::string, double>> seconds;            // per stage, in order
+  std::vector<std::pair<std::string, double>> processor_seconds;  // the same, over all threads
   std::vector<SolveEntry> solves;
   PosesReport poses;
   ArcFit arc;
+  LaidGrid laid;
   std::vector<double> coverage;  // share of present pixels per layer
-  // By photo: what its R, G, B were multiplied by to match the others.
+  // By photo: what its R, G, B were multiplied by to match the others; where exposure is local, of light.
   std::map<std::string, std::array<float, 3>> gains;
   ConsistencyReport consistency;  // the panorama against its photos
   SweepEvidence evidence;

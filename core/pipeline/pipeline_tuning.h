@@ -1,8 +1,6 @@
 // Tuned constants of the pipeline that are no options.
 #pragma once
 
-#include <array>
-
 namespace ldp::pipeline {
 
 constexpr double kCoarser = 1.05, kCoarsest = 3;  // steps of the panorama's pitch, and its limit, to save memory
@@ -14,8 +12,8 @@ constexpr double kWalkPitch = 2.5;
 constexpr int kWorthLeavingOut = 4;
 constexpr int kLeastSeen = 20;  // rows and columns at the sides are cut of which less than one by this is seen
 constexpr double kFull = 0.75;  // share of the memory allowed at which large arrays are let go: it takes a moment
-// Message passing and expansion of every cut. As many cycles as find something take longer for views as good.
-constexpr int kIterations = 4, kCycles = 1;
+// Message passing of every cut.
+constexpr int kIterations = 4;
 // What an iteration before the last finds only hides voxels: it is swept in fewer steps, with less message passing, and
 // not expanded at all. Views are as good as with all of it, for half of its time (with 4, 2 and 1 iterations garden
 // 20.27, 20.28, 20.26 dB, redkitchen_arc 22.96, 23.03, 23.03, desk_sweep 20.34, 20.51, 20.44).
@@ -27,9 +25,8 @@ constexpr double kKnownPx = 2.5;
 constexpr double kSeparatePx = 10;
 constexpr int kSpeckPx = 8;  // parts of layers behind that hold fewer pixels are not kept
 // The photographs choose between depth maps by what changes within so many pixels: between those of two iterations, and
-// between the surface of a pixel and those so far from it, left, right, above and below.
+// between the surface of a pixel and others around it (effort.h).
 constexpr int kIterationsReachPx = 12, kPropagationReachPx = 1;
-inline constexpr std::array kPropagationPx{8, 3};
 constexpr int kFrontSpeckPx = 30;  // what is left of fewer pixels, apart from all around it, is noise
 constexpr int kSilhouettePx = 4;   // by so much the sweep's windows may widen a near surface, and the cut a little more
 

@@ -60,8 +60,24 @@ class Doubts {
       before = f;
     }
     if (where.first < 0) return {};
-    return "only " + std::to_string(least) + " points tie " + both(where.first, where.second) +
-           " together: take photos with more overlap";
+    return "only " + std::to_string(least) + " points tie " + both(where.first, where.second) + " together, " +
+           std::to_string(degrees(0.5 * (turned(where.first) + turned(where.second)))) +
+           " degrees from the first: take photos with more overlap";
+  }
+
+  // A full turn whose last photos look where the first ones did, and hardly a point says how they lie to each other.
+  std::string open_seam() const {
+    std::vector<int> posed_frames;
+    for (int f = 0; f < sweep_.frames(); ++f)
+      if (posed(f)) posed_frames.push_back(f);
+    if (posed_frames.size() < 2 || turned(posed_frames.back()) < kLeastFullTurn_rad) return {};
+    const int first = posed_frames.front(), last = posed_frames.back();
+    const double gap = angle(first, last);
+    if (gap > kSeamOverlapAngle * view()) return {};
+    const int ties = seam_ties(first, last);
+    if (ties >= kMinBridgingPoints) return {};
+    return "only " + std::to_string(ties) + " points tie " + both(last, first) + " together, where the turn closes (" +
+           std::to_string(degrees(turned(last))) + " degrees from the first): go on past what the first photo shows";
   }
 
   // Steps between two photos each, that hardly a third photo compares: how long they are beside each other, and the
@@ -94,14 +110,13 @@ class Doubts {
   // Two photos of one view by their poses, that have nothing in common.
   std::string unrelated() const {
     const std::vector<std::vector<bool>> shared = shared_points();
-    const double view = 2 * std::atan2(0.5 * sweep_.features[0].width, r_.bundle.lens.focal_px);
     const double same_place = kSamePlaceShare * median_distance();
     for (int b = 0; b < sweep_.frames(); ++b) {
       for (int a = 0; a < b; ++a) {
         if (!posed(a) || !posed(b) || shared[static_cast<size_t>(a)][static_cast<size_t>(b)]) continue;
         const Pose &p = camera(a), &q = camera(b);
         const double cosine = p.world_from_camera.col(2).dot(q.world_from_camera.col(2));
-        if (std::acos(std::clamp(cosine, -1.0, 1.0)) > kSameViewAngle * view) continue;
+        if (std::acos(std::clamp(cosine, -1.0, 1.0)) > kSameViewAngle * view()) continue;
         if (r_.motion != Motion::rotation && (p.centre - q.centre).norm() > same_place) continue;
         return both(a, b) + " look the same way by their poses and show nothing in common";
       }
@@ -110,6 +125,30 @@ class Doubts {
   }
 
  private:
+  static long degrees(double rad) { return std::lround(rad * 180 / std::numbers::pi); }
+  double view() const { return 2 * std::atan2(0.5 * sweep_.features[0].width, r_.bundle.lens.focal_px); }
+  double angle(int a, int b) const {
+    return std::acos(std::clamp(camera(a).world_from_camera.col(2).dot(camera(b).world_from_camera.col(2)), -1.0, 1.0));
+  }
+  // From the first posed frame to this one, step by step.
+  double turned(int frame) const {
+    double sum = 0;
+    int before = -1;
+    for (int f = 0; f <= frame; ++f) {
+      if (!posed(f)) continue;
+      if (before >= 0) sum += angle(before, f);
+      before = f;
+    }
+    return sum;
+  }
+  // Points seen in the first photos and in the last ones.
+  int seam_ties(int first, int last) const {
+    const auto ties = [&](const Track& track) {
+      return track.front().frame <= first + kBridgeSequenceDistance &&
+             track.back().frame >= last - kBridgeSequenceDistance;
+    };
+    return static_cast<int>(std::count_if(r_.tracks.begin(), r_.tracks.end(), ties));
+  }
   bool posed(int frame) const { return !r_.left_out[static_cast<size_t>(frame)]; }
   bool neighbours(const PairMatches& pair) const {
     return posed(pair.a) && posed(pair.b) && pair.b - pair.a <= kDoubtSequenceDistance;
@@ -159,6 +198,7 @@ Doubt doubt(const MatchedSweep& sweep, const Reconstruction& reconstruction, con
   const Doubt found[] = {{PoseDoubt::contradicted, doubts.contradicted()},
                          {PoseDoubt::unrelated, doubts.unrelated()},
                          {PoseDoubt::loose, doubts.loose()},
+                         {PoseDoubt::loose, doubts.open_seam()},
                          {PoseDoubt::in_pairs, doubts.in_pairs(focal_known)},
                          {PoseDoubt::lens, doubts.no_lens(focal_known)}};
   for (const Doubt& one : found) {

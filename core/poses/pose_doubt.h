@@ -2,8 +2,8 @@
 // wrong all the same (repeated texture, moving things, too little overlap).
 //
 // Asked of the photos' own evidence, not of the residuals, which outliers have already left: do verified matches agree
-// with the poses, do enough points tie each photo to those before it, do photos that should show the same share points,
-// does a third photo compare the steps between two?
+// with the poses, do enough points tie each photo to those before it and close a full turn, do photos that should show
+// the same share points, does a third photo compare the steps between two?
 #pragma once
 
 #include <string>

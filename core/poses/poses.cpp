@@ -242,13 +242,20 @@ Poses to_world(const Reconstruction& found, const SelectedSweep& selected, const
   return poses;
 }
 
+bool is_of_another_lens(double exif_focal) { return std::abs(exif_focal - 1) > kMaxExifFocalError; }
+
 Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs, const PosesOptions& options,
             const Job& job) {
   const std::vector<LeftOut> unfit = unfit_frames(frames);
   require_three_fit(frames, unfit);
   SelectedSweep selected = select_sweep(frames, pairs, unfit);
-  const std::optional<FocalPrior> focal = focal_prior(frames, options);
-  const Reconstruction found = reconstruct(selected.sweep, focal, job);
+  std::optional<FocalPrior> focal = focal_prior(frames, options);
+  Reconstruction found = reconstruct(selected.sweep, focal, job);
+  const double exif_focal = focal && !options.fov_rad ? focal->focal_px / found.bundle.lens.focal_px : 1;
+  if (is_of_another_lens(exif_focal)) {  // its pull is left away
+    focal.reset();
+    found = reconstruct(selected.sweep, focal, job);
+  }
   Poses poses = to_world(found, selected, frames, options.arm_length);
   poses.report.motion = found.motion;
   poses.report.closed = found.closed;
@@ -259,6 +266,7 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
     report.posed = !found.left_out[i];
     report.left_out = found.left_out[i];
   }
+  poses.report.exif_focal = exif_focal;
   report_errors(found.bundle, selected.frame, poses.report);
   std::vector<std::string> names;
   for (const int i : selected.frame) names.push_back(frames[static_cast<size_t>(i)].name);
@@ -268,6 +276,11 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
   poses.report.agreement = agreement(selected.sweep, found);
   job.report("poses", 1);
   return poses;
+}
+
+std::string one_digit(double value) {
+  const long tenths = std::lround(10 * value);
+  return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10);
 }
 
 void require_three(int frames) {
@@ -283,6 +296,13 @@ bool begins_with(const FrameSource& source, int count, const std::vector<Frame>&
 }
 
 }  // namespace
+
+std::string wrong_exif_lens(const PosesReport& report) {
+  const double ratio = report.exif_focal;
+  if (report.doubt_kind != PoseDoubt::none || !is_of_another_lens(ratio)) return {};
+  return "EXIF tells a focal length of " + one_digit(ratio) +
+         " times what the photos show: they were cropped, or another program wrote it; what they show was taken";
+}
 
 struct PoseEstimator::State {
   PosesOptions options;

@@ -54,8 +54,12 @@ struct PosesReport {
   double agreement =
       1;  // share of the verified matches of neighbouring photos that fit the poses; 1 if cameras are told
   PoseDoubt doubt_kind = PoseDoubt::none;
-  std::string doubt;  // the same in words, naming photos; empty when nothing says so
+  std::string doubt;      // the same in words, naming photos; empty when nothing says so
+  double exif_focal = 1;  // focal length that EXIF tells, of that found with it; 1 where it tells none or was not asked
 };
+
+// What to say where EXIF speaks of another lens or another crop than the photos show; empty where it does not.
+std::string wrong_exif_lens(const PosesReport& report);
 
 struct Poses {
   std::vector<Camera> cameras;       // posed frames only, in frame order, named after their frames

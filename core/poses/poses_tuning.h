@@ -5,10 +5,11 @@
 
 namespace ldp::sfm {
 
-constexpr double kFovLogSigma = 0.15;      // of the logarithm of a focal length that someone told
-constexpr double kExifLogSigma = 0.05;     // of one that EXIF tells
-constexpr int kWorkingSide_px = 1000;      // longer side of what is kept of a photo
-constexpr double kMaxPointDistance = 1e4;  // radii, or spreads of known cameras: points are put no farther
+constexpr double kFovLogSigma = 0.15;        // of the logarithm of a focal length that someone told
+constexpr double kExifLogSigma = 0.05;       // of one that EXIF tells
+constexpr double kMaxExifFocalError = 0.15;  // of the one found: beyond, EXIF is of another lens or crop
+constexpr int kWorkingSide_px = 1000;        // longer side of what is kept of a photo
+constexpr double kMaxPointDistance = 1e4;    // radii, or spreads of known cameras: points are put no farther
 
 // Order of the reconstruction (reconstruct.h).
 constexpr int kMinPosedFrames = 3;
@@ -44,6 +45,8 @@ constexpr double kMinPairAgreement = 0.5;   // 0 .. 1, of a pair's matches with 
 constexpr int kMinBridgingPoints = 12;      // that tie a photo to those before it
 constexpr int kBridgeSequenceDistance = 4;  // photos before and after that count for it
 constexpr int kFirmlyObserved = 8;          // points seen before, in and after a photo, that tie its two steps together
+constexpr double kLeastFullTurn_rad = 5;    // that a sweep has turned, to close on itself
+constexpr double kSeamOverlapAngle = 0.5;   // of the field of view: its last photo turned from the first by less
 constexpr double kSameViewAngle = 0.25;     // of the field of view: photos turned by less show the same
 constexpr double kSamePlaceShare = 0.1;     // of the distance of points in the median: and stand nearer than this
 

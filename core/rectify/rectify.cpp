@@ -4,11 +4,15 @@
 #include <cmath>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "core/photos/exposure/calibration.h"
+#include "core/photos/exposure/local_exposure.h"
+#include "core/photos/exposure/photo_exposure.h"
 #include "core/photos/exposure_compensation.h"
 #include "core/rectify/background_subtraction.h"
 #include "core/rectify/rectify_tuning.h"
@@ -35,9 +39,9 @@ RgbImage load_checked(const FrameSource& frames, int index, const Camera& camera
 struct Sample {
   int r = 0, g = 0, b = 0;
 
-  Sample(Rgb p, const ExposureGain& gain) {
+  Sample(Rgb p, const PhotoExposure& exposure, int x, int y) {
     const auto scaled = [](int level) { return level * kSampleScale; };
-    const auto even = gain({scaled(p.r), scaled(p.g), scaled(p.b)}, kSampleScale);
+    const auto even = exposure({scaled(p.r), scaled(p.g), scaled(p.b)}, kSampleScale, x, y);
     r = std::min(even[0], kHighest), g = std::min(even[1], kHighest), b = std::min(even[2], kHighest);
   }
 
@@ -45,35 +49,54 @@ struct Sample {
   static constexpr int kHighest = 255 * kSampleScale;
 };
 
-Plane<uint16_t> weighted_grey(const RgbImage& photo, const Gain& gain) {
-  const ExposureGain even(gain);
-  Plane<uint16_t> grey(photo.width, photo.height);
-  for (size_t i = 0; i < photo.samples.size(); ++i) {
-    const Sample s(photo.samples[i], even);
-    grey.samples[i] =
-        static_cast<uint16_t>((kLuma[0] * s.r + kLuma[1] * s.g + kLuma[2] * s.b + kLumaSum / 2) / kLumaSum);
+// At which exposure each photograph is sampled.
+class Exposures {
+ public:
+  Exposures(const std::vector<Camera>& cameras, const std::vector<Thumbnail>& thumbnails,
+            const std::vector<ScenePoint>& points)
+      : cameras_(cameras), gains_(exposure_gains(cameras, thumbnails, points)) {
+    if (!LocalExposure(cameras, gains_).is_wanted()) return;
+    calibration_ = calibrate(exposure::overlaps(cameras, thumbnails, points), cameras.size());
+    local_.emplace(cameras, calibration_->light_gains);
   }
-  return grey;
-}
 
-Plane<uint16_t> red_minus_green(const RgbImage& photo, const Gain& gain) {
-  const ExposureGain even(gain);
-  Plane<uint16_t> tint(photo.width, photo.height);
-  for (size_t i = 0; i < photo.samples.size(); ++i) {
-    const Sample s(photo.samples[i], even);
-    tint.samples[i] = static_cast<uint16_t>(std::clamp(128 * kSampleScale + s.r - s.g, 0, 255 * kSampleScale));
+  PhotoExposure of_photo(size_t k) const {
+    const Intrinsics& lens = cameras_[k].intrinsics;
+    if (!local_) return PhotoExposure(gains_[k]);
+    return {{local_->over_photo(k), calibration_->response}, lens.width, lens.height};
   }
-  return tint;
-}
+
+  const Gain& gain(size_t k) const { return gains_[k]; }
+  const std::optional<Calibration>& calibration() const { return calibration_; }
+
+ private:
+  const std::vector<Camera>& cameras_;
+  std::vector<Gain> gains_;
+  std::optional<Calibration> calibration_;
+  std::optional<LocalExposure> local_;
+};
 
 struct Planes {
   Plane<uint16_t> grey, tint;
 };
 
-Planes make_planes(const RgbImage& photo, const Gain& gain, const Job& job) {
-  Planes planes;
-  planes.grey = flatten(weighted_grey(photo, gain), job);
-  planes.tint = flatten(red_minus_green(photo, gain), job);
+// Grey, and red minus green.
+Planes weighted(const RgbImage& photo, const PhotoExposure& exposure) {
+  Planes planes{Plane<uint16_t>(photo.width, photo.height), Plane<uint16_t>(photo.width, photo.height)};
+  for (int y = 0; y < photo.height; ++y)
+    for (int x = 0; x < photo.width; ++x) {
+      const Sample s(photo.at(x, y), exposure, x, y);
+      planes.grey.at(x, y) =
+          static_cast<uint16_t>((kLuma[0] * s.r + kLuma[1] * s.g + kLuma[2] * s.b + kLumaSum / 2) / kLumaSum);
+      planes.tint.at(x, y) = static_cast<uint16_t>(std::clamp(128 * kSampleScale + s.r - s.g, 0, 255 * kSampleScale));
+    }
+  return planes;
+}
+
+Planes make_planes(const RgbImage& photo, const PhotoExposure& exposure, const Job& job) {
+  Planes planes = weighted(photo, exposure);
+  planes.grey = flatten(planes.grey, job);
+  planes.tint = flatten(planes.tint, job);
   return planes;
 }
 
@@ -190,7 +213,7 @@ size_t upright_pixels(const std::vector<Camera>& cameras, const Arc& arc, double
 
 std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<Camera>& cameras,
                                   const std::vector<int>& frame_of_camera, const std::vector<ScenePoint>& points,
-                                  const Arc& arc, double pitch_px, const Job& job) {
+                                  const Arc& arc, double pitch_px, const Job& job, std::optional<Calibration>* local) {
   if (cameras.size() != frame_of_camera.size()) throw std::logic_error("rectify: one frame index per camera is needed");
   const int at_once = photos_at_once(cameras, job);
   Job photos = job, inside = job;  // threads over photos, and inside one photo
@@ -205,14 +228,15 @@ std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<C
     thumbnails[k] = make_thumbnail(photo);
     if (keep) kept[k] = std::move(photo);
   });
-  const auto gains = exposure_gains(cameras, thumbnails, points);
+  const Exposures exposures(cameras, thumbnails, points);
   std::vector<UprightFrame> upright(cameras.size());
   for_each_photo(photos, "rectify", cameras.size(), [&](size_t k) {
-    const Planes planes = make_planes(keep ? std::exchange(kept[k], {}) : load(k), gains[k], inside);
+    const Planes planes = make_planes(keep ? std::exchange(kept[k], {}) : load(k), exposures.of_photo(k), inside);
     const UprightCamera camera = upright_camera(cameras[k], arc.axis(), frame_of_camera[k], pitch_px);
     upright[k] = make_upright(planes, cameras[k], camera, pitch_px, inside);
-    upright[k].gain = gains[k];
+    upright[k].gain = exposures.gain(k);
   });
+  if (local != nullptr) *local = exposures.calibration();
   return upright;
 }
 

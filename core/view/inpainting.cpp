@@ -135,4 +135,14 @@ double fill_background(const Plane<float>& inverse_z, RgbImage& colour, Plane<ui
   return static_cast<double>(holes) / static_cast<double>(std::max<size_t>(1, colour.samples.size()));
 }
 
+Plane<float> background_behind_holes(const Plane<float>& inverse_z, const Plane<uint8_t>& alpha) {
+  Plane<float> whole = inverse_z;
+  const Plane<float> background = BackgroundDepth(inverse_z, alpha).take();
+  for (size_t i = 0; i < whole.samples.size(); ++i) {
+    if (whole.samples[i] >= 0) continue;
+    whole.samples[i] = std::isfinite(background.samples[i]) ? background.samples[i] : 0;
+  }
+  return whole;
+}
+
 }  // namespace ldp::view

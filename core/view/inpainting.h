@@ -13,4 +13,8 @@ namespace ldp::view {
 // where there is nothing. Gives the share of pixels that were holes (alpha below 128).
 double fill_background(const Plane<float>& inverse_z, RgbImage& colour, Plane<uint8_t>& alpha);
 
+// The inverse z of every pixel; of one with alpha below 255 and nothing of its own that of the farthest surface among
+// the nearest ones to its left, right, top and bottom, 0 where there is none.
+Plane<float> background_behind_holes(const Plane<float>& inverse_z, const Plane<uint8_t>& alpha);
+
 }  // namespace ldp::view

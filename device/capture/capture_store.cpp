@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -25,6 +26,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kPrefix = "sweep_";
+constexpr long kMostSweeps = 999'999'999;  // nine digits
 
 std::optional<int> number_of(const std::string& name) {
   if (!name.starts_with(kPrefix)) return std::nullopt;
@@ -47,24 +49,32 @@ std::string read_text(const fs::path& file) {
   return {bytes.begin(), bytes.end()};
 }
 
-// Links that loop and files that cannot be removed are left alone.
-void remove_temporaries(const fs::path& folder) {
+// Links that loop and files that cannot be removed are left alone. `all`: every .tmp, else those that core/base/files.h
+// names, which are hidden; the others in a folder of people's own are theirs.
+void remove_temporaries(const fs::path& folder, bool all) {
   std::vector<fs::path> files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.path().extension() == ".tmp" && entry.is_regular_file(error)) files.push_back(entry.path());
+    const bool is_ours = all || entry.path().filename().string().starts_with('.');
+    if (is_ours && entry.path().extension() == ".tmp" && entry.is_regular_file(error)) files.push_back(entry.path());
   }
   for (const fs::path& file : files) fs::remove(file, error);
 }
 
-// 0 where there is none. One that cannot be read (a bad block) is no reason to refuse sweeps for ever: it is replaced.
+// 0 where there is none. One that cannot be read (a bad block), or holds no number that a sweep can have, is no reason
+// to refuse sweeps for ever, nor to give names that no start would know again: it is replaced.
 int number_in(const fs::path& counter) {
+  std::string why;
   try {
-    return fs::exists(counter) ? std::max(0, std::atoi(read_text(counter).c_str())) : 0;
+    if (!fs::exists(counter)) return 0;
+    const long number = std::strtol(read_text(counter).c_str(), nullptr, 10);
+    if (number >= 0 && number < kMostSweeps) return static_cast<int>(number);
+    why = counter.string() + " holds no number of a sweep";
   } catch (const std::system_error& error) {
-    log_warning(std::string(error.what()) + ": sweeps are counted from those that are in the folder");
-    return 0;
+    why = error.what();
   }
+  log_warning(why + ": sweeps are counted from those that are in the folder");
+  return 0;
 }
 
 int count_frames(const fs::path& folder) {
@@ -143,14 +153,14 @@ UniqueFd CaptureStore::lock() const {
 
 std::vector<CaptureState> CaptureStore::recover() const {
   clear_building();
-  remove_temporaries(output_);
+  remove_temporaries(output_, false);
   std::vector<CaptureState> captures;
   for (const auto& entry : fs::directory_iterator(output_)) {
     const std::string name = entry.path().filename().string();
     std::error_code error;
     if (!number_of(name) || !entry.is_directory(error)) continue;
     try {
-      remove_temporaries(entry.path());
+      remove_temporaries(entry.path(), true);
       const bool built = fs::exists(panorama_of(name), error);
       captures.push_back({name, count_frames(entry.path()), built, read_build_record(name)});
     } catch (const std::exception& problem) {
@@ -182,13 +192,23 @@ std::string CaptureStore::create_capture() const {
 
 void CaptureStore::discard(const std::string& name) const {
   if (!number_of(name)) throw std::logic_error("not a capture: " + name);
-  fs::remove_all(folder_of(name));
+  const fs::path gone = output_ / ".building" / name;
+  fs::create_directory(gone.parent_path());
+  fs::rename(folder_of(name), gone);
   flush_folder(output_);
+  std::error_code later;  // clear_building tries again
+  fs::remove_all(gone, later);
 }
 
 void CaptureStore::clear_building() const {
   fs::create_directory(output_ / ".building");
-  for (const auto& entry : fs::directory_iterator(output_ / ".building")) fs::remove_all(entry.path());
+  std::vector<fs::path> left;
+  for (const auto& entry : fs::directory_iterator(output_ / ".building")) left.push_back(entry.path());
+  for (const fs::path& path : left) {
+    std::error_code error;
+    fs::remove_all(path, error);
+    if (error) log_warning("cannot remove " + path.string() + ": " + error.message());  // builds replace it or fail
+  }
 }
 
 void CaptureStore::publish_panorama(const std::string& name) const {

@@ -4,7 +4,7 @@
 //   OUTPUT/sweep_000012/capture.json        what is known about the sweep; rewritten with every frame
 //   OUTPUT/sweep_000012/build.json          interrupted, failed and cancelled builds
 //   OUTPUT/sweep_000012.ldp                 the panorama
-//   OUTPUT/.building/                       a build in progress writes here; emptied at start
+//   OUTPUT/.building/                       builds in progress, and captures that go; emptied at start
 //   OUTPUT/.lock                            locked by the one service that works here
 //   OUTPUT/.last_sweep                      the last number given: a number is never given twice, whatever was deleted
 //

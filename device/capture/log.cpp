@@ -1,14 +1,15 @@
 #include "device/capture/log.h"
 
-#include <cstdio>
 #include <cstdlib>
+
+#include "drivers/interface/standard_streams.h"
 
 namespace ldp {
 namespace {
 
 void put(const char* priority, const char* word, const std::string& text) {
   const bool journal = std::getenv("JOURNAL_STREAM") != nullptr;
-  std::fprintf(stderr, "%s%s%s\n", journal ? priority : "", word, text.c_str());
+  say((journal ? priority : "") + (word + text));
 }
 
 }  // namespace

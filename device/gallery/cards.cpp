@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <system_error>
 
 #include "core/base/files.h"
 #include "core/panorama/file/ldp_file.h"
@@ -37,13 +38,21 @@ void describe(std::span<const uint8_t> bytes, Card& card) {
   card.thumbnail_jpeg = std::move(description.thumbnail);
 }
 
+SharedCard unreadable(const std::string& name, const std::system_error& error) {
+  auto card = std::make_shared<Card>();
+  card->name = name, card->trouble = error.what();
+  return card;
+}
+
 SharedCard card_of(const std::string& name, const OpenFile& file) {
   auto card = std::make_shared<Card>();
   card->name = name;
   card->version = file.version;
   try {
     describe(MappedFile(path_of(file.fd.get())).bytes(), *card);
-  } catch (const std::runtime_error& error) {  // damaged, or cannot be read
+  } catch (const std::system_error& error) {  // no fault of the file's: another time may go better
+    return unreadable(name, error);
+  } catch (const std::runtime_error& error) {  // damaged
     card->trouble = error.what();
   }
   return card;
@@ -51,8 +60,14 @@ SharedCard card_of(const std::string& name, const OpenFile& file) {
 
 }  // namespace
 
+// One that cannot be opened keeps no others from being shown; it is tried again next time, for it has no version.
 SharedCard Cards::read(const std::string& name) {
-  const std::optional<OpenFile> file = folder_.open_panorama(name);
+  std::optional<OpenFile> file;
+  try {
+    file = folder_.open_panorama(name);
+  } catch (const std::system_error& error) {
+    return unreadable(name, error);
+  }
   if (!file) return nullptr;
   const auto found = known_.find(name);
   if (found != known_.end() && found->second->version == file->version) return found->second;

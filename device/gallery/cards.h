@@ -14,7 +14,7 @@ namespace ldp::gallery {
 
 struct Card {
   std::string name;
-  FileVersion version;
+  FileVersion version;               // none: it could not be read this time
   std::string captured_utc, device;  // empty: not told
   int degrees = 0, width = 0, height = 0, layers = 0;
   std::string verdict, verdict_text;    // of programs, and a sentence; empty: not judged

@@ -8,12 +8,14 @@
 #include <cerrno>
 #include <cstdio>
 #include <memory>
+#include <stdexcept>
 #include <system_error>
 
 namespace ldp::gallery {
 namespace {
 
 constexpr std::string_view kPanorama = ".ldp";
+constexpr const char* kRecord = "capture.json";
 constexpr size_t kLongestName = 255;
 
 [[noreturn]] void fail(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
@@ -28,10 +30,14 @@ bool are_digits(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-// Without waiting: what is no plain file may be a pipe.
+// What is there all the same, and may be opened another time.
+bool is_a_fault(int error) { return error == EMFILE || error == ENFILE || error == ENOMEM || error == EIO; }
+
+// Without waiting: what is no plain file may be a pipe. Throws std::system_error for a fault.
 std::optional<OpenFile> open_plain(int folder, const std::string& name) {
   UniqueFd fd(::openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   struct stat state {};
+  if (!fd.is_open() && is_a_fault(errno)) fail(name + " cannot be read");
   if (!fd.is_open() || ::fstat(fd.get(), &state) != 0 || !S_ISREG(state.st_mode)) return std::nullopt;
   const int64_t changed_ns = int64_t{state.st_mtim.tv_sec} * 1'000'000'000 + state.st_mtim.tv_nsec;
   return OpenFile{std::move(fd),
@@ -39,7 +45,9 @@ std::optional<OpenFile> open_plain(int folder, const std::string& name) {
 }
 
 UniqueFd open_folder(int parent, const std::string& name) {
-  return UniqueFd(::openat(parent, name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+  UniqueFd fd(::openat(parent, name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+  if (!fd.is_open() && is_a_fault(errno)) fail(name + " cannot be read");
+  return fd;
 }
 
 // Names of what is in it. The descriptor stays open and is read from its beginning.
@@ -50,19 +58,47 @@ std::vector<std::string> names_in(int folder) {
   again.release();
   const std::unique_ptr<DIR, int (*)(DIR*)> stream(opened, ::closedir);
   std::vector<std::string> names;
+  errno = 0;
   while (const dirent* const entry = ::readdir(stream.get())) names.emplace_back(entry->d_name);
+  if (errno != 0) fail("the gallery's folder cannot be listed");
+  std::erase_if(names, [](const std::string& name) { return name == "." || name == ".."; });
   return names;
 }
 
-// The capture service's own folder of a sweep: flat, with its record. Any other one is somebody's work.
+bool is_folder(int parent, const std::string& name) {
+  struct stat state {};
+  return ::fstatat(parent, name.c_str(), &state, AT_SYMLINK_NOFOLLOW) == 0 && S_ISDIR(state.st_mode);
+}
+
+void remove(int folder, const std::string& name, int flags = 0) {
+  if (::unlinkat(folder, name.c_str(), flags) != 0) fail(name + " cannot be removed");
+}
+
+// So that a power cut does not bring back what was said to be gone. Where a file system knows no such thing, that is
+// as good as it gets.
+void flush(int folder) {
+  if (::fsync(folder) != 0 && errno == EIO) fail("the gallery's folder cannot be flushed");
+}
+
+[[noreturn]] void refuse_folder(std::string sweep, const std::string& inside) {
+  throw std::runtime_error(sweep.append(" holds a folder, ").append(inside).append(": move it away"));
+}
+
+// The capture service's own folder of a sweep: flat, with its record, which goes last: while it is there, what a fault
+// has left can be asked for again. Any other one that holds anything is somebody's work.
 void remove_sweep(int parent, const std::string& name) {
   const UniqueFd sweep = open_folder(parent, name);
-  if (!sweep.is_open() || !open_plain(sweep.get(), "capture.json")) return;
-  std::vector<std::string> names = names_in(sweep.get());
-  std::erase_if(names, [](const std::string& inside) { return inside == "." || inside == ".."; });
+  if (!sweep.is_open()) return;
+  const std::vector<std::string> names = names_in(sweep.get());
+  if (!names.empty() && !open_plain(sweep.get(), kRecord)) return;
   for (const std::string& inside : names)
-    if (::unlinkat(sweep.get(), inside.c_str(), 0) != 0) fail(name + "/" + inside + " cannot be removed");
-  if (::unlinkat(parent, name.c_str(), AT_REMOVEDIR) != 0) fail(name + " cannot be removed");
+    if (is_folder(sweep.get(), inside)) refuse_folder(name, inside);
+  for (const std::string& inside : names)
+    if (inside != kRecord) remove(sweep.get(), inside);
+  flush(sweep.get());
+  if (!names.empty()) remove(sweep.get(), kRecord);
+  remove(parent, name, AT_REMOVEDIR);
+  flush(parent);
 }
 
 }  // namespace
@@ -80,7 +116,8 @@ bool is_panorama_name(std::string_view name) {
 
 bool is_sweep_name(std::string_view name) {
   constexpr std::string_view kSweep = "sweep_";
-  return name.size() == kSweep.size() + 6 && name.starts_with(kSweep) && are_digits(name.substr(kSweep.size()));
+  return name.size() >= kSweep.size() + 6 && name.size() <= kSweep.size() + 9 && name.starts_with(kSweep) &&
+         are_digits(name.substr(kSweep.size()));
 }
 
 bool is_frame_name(std::string_view name) {
@@ -114,7 +151,8 @@ bool Folder::remove_panorama(const std::string& name) const {
   if (!open_panorama(name)) return false;
   const std::string sweep = name.substr(0, name.size() - kPanorama.size());
   if (is_sweep_name(sweep)) remove_sweep(fd_.get(), sweep);  // first: what is left if it fails is still shown
-  if (::unlinkat(fd_.get(), name.c_str(), 0) != 0) fail(name + " cannot be removed");
+  remove(fd_.get(), name);
+  flush(fd_.get());
   return true;
 }
 

@@ -41,12 +41,14 @@ class Folder {
   // Of plain files, in no order. Throws std::system_error.
   std::vector<std::string> panoramas() const;
 
-  // None: there is no such plain file, or the name is none.
+  // None: there is no such plain file, or the name is none. Throws std::system_error where the system has no room to
+  // open it, or cannot read its disk.
   std::optional<OpenFile> open_panorama(const std::string& name) const;
   std::optional<OpenFile> open_frame(const std::string& sweep, const std::string& frame) const;
 
   // A panorama and, where it is one of the capture service's, its sweep: otherwise the service would build it again.
-  // False if there is none. Throws std::system_error if it cannot be removed.
+  // False if there is none. Throws std::runtime_error, all of it still shown, if it cannot be removed or the sweep
+  // holds a folder, which nothing of the service's is.
   bool remove_panorama(const std::string& name) const;
 
  private:

@@ -134,6 +134,7 @@ Reply Gallery::converted(const Asked& asked, const std::string& stem, const std:
 
 Reply Gallery::thumbnail(const Asked& asked, const std::string& name) {
   const SharedCard card = cards_.of(name);
+  if (card && card->version == FileVersion{}) return refuse(500, card->trouble);
   if (!card || card->thumbnail_jpeg.empty()) return not_found();
   return send_bytes(asked, {card, &card->thumbnail_jpeg}, etag_of(card->version), "image/jpeg");
 }

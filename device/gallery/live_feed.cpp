@@ -6,15 +6,21 @@
 #include <sys/socket.h>
 
 #include <cerrno>
+#include <exception>
+#include <stdexcept>
 #include <system_error>
+#include <utility>
 
+#include "device/capture/log.h"
 #include "device/gallery/status_json.h"
+#include "drivers/interface/clocks.h"
 
 namespace ldp::gallery {
 namespace {
 
 constexpr size_t kMostFollowers = 400;
 constexpr int kSilence_ms = 10'000;  // at most: a follower that is gone is noticed by writing
+constexpr int kRetry_ms = 2'000;     // from one try to reach the device to the next
 
 std::string event_of(const StatusMessage& message) {
   using Json = nlohmann::ordered_json;
@@ -29,8 +35,7 @@ bool tell(int follower, const std::string& text) {
 
 }  // namespace
 
-LiveFeed::LiveFeed(std::unique_ptr<StatusListener> listener)
-    : listener_(std::move(listener)), wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+LiveFeed::LiveFeed(Open open) : open_(std::move(open)), wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   if (!wake_.is_open()) throw std::system_error(errno, std::generic_category(), "cannot make an eventfd");
   thread_ = std::thread([this] { run(); });
 }
@@ -59,7 +64,7 @@ void LiveFeed::add(UniqueFd follower) {
 
 void LiveFeed::send(Command command) {
   const std::lock_guard lock(mutex_);
-  if (!listener_) throw std::runtime_error("no device is connected to this gallery");
+  if (!listener_) throw std::runtime_error("the device cannot be reached just now: try again in a moment");
   listener_->send(command);
 }
 
@@ -76,11 +81,29 @@ void LiveFeed::hear() {
   }
 }
 
+void LiveFeed::open_missing() {
+  const int64_t now_ns = monotonic_now_ns();
+  if (!open_ || (listener_ && !listener_->ended()) || now_ns < next_try_ns_) return;
+  next_try_ns_ = now_ns + int64_t{kRetry_ms} * 1'000'000;
+  std::string problem;
+  std::unique_ptr<StatusListener> fresh;
+  try {
+    fresh = open_();
+  } catch (const std::exception& error) {
+    problem = error.what();
+  }
+  if (!problem.empty() && problem != problem_) log_warning(problem + "; trying again until the device is there");
+  problem_ = problem;
+  const std::lock_guard lock(mutex_);
+  listener_ = std::move(fresh);
+}
+
 void LiveFeed::run() {
   for (;;) {
+    open_missing();
     const bool listens = listener_ && !listener_->ended();
     pollfd entries[] = {{wake_.get(), POLLIN, 0}, {listens ? listener_->fd() : -1, POLLIN, 0}};
-    const int ready = ::poll(entries, 2, kSilence_ms);
+    const int ready = ::poll(entries, 2, open_ && !listens ? kRetry_ms : kSilence_ms);
     if (entries[1].revents != 0) hear();
     const std::lock_guard lock(mutex_);
     if (ending_) return;

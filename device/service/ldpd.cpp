@@ -1,16 +1,19 @@
 // ldpd: the capture service. Button pressed, arm turned, button released: a finished .ldp.
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "device/capture/log.h"
 #include "device/service/capture_session.h"
 #include "device/service/config/config.h"
+#include "drivers/interface/standard_streams.h"
 
 namespace {
 
@@ -80,6 +83,8 @@ int serve(const Arguments& arguments) {
   for (const ldp::ConfigMistake& mistake : wrong) std::fprintf(stderr, "ldpd: --%s\n", mistake.text.c_str());
   if (!wrong.empty()) return kBadArguments;
   if (arguments.print_config) std::fputs(ldp::config_text(config).c_str(), stdout);
+  if (!ldp::flush_standard_output())
+    throw std::system_error(errno, std::generic_category(), "cannot write the configuration");
   if (arguments.print_config && !arguments.check_config) return 0;
   if (const auto program = ldp::program_of(config); !std::filesystem::exists(program)) {
     std::fprintf(stderr,
@@ -95,6 +100,7 @@ int serve(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  ldp::keep_standard_streams();
   std::signal(SIGCHLD, SIG_DFL);  // a parent that ignored it left us so, and no build's end would be told
   std::signal(SIGPIPE, SIG_IGN);  // who read our standard error may be gone
   CLI::App app("The capture service of the layered-depth-panorama camera: press, turn, release.", "ldpd");

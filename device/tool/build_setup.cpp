@@ -5,6 +5,8 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include "core/captures/colmap_model.h"
 #include "device/tool/memory_size.h"
@@ -37,10 +39,39 @@ double turned_fov(double fov_rad, int turn_deg, ImageSize turned) {
   return 2 * std::atan(std::tan(fov_rad / 2) * turned.width / turned.height);
 }
 
+FolderFramesOptions frames_options(const BuildSetup& setup) {
+  FolderFramesOptions options;
+  options.max_pixels = std::llround(setup.megapixels * 1e6);
+  constexpr std::array kOrientations = {1, 6, 3, 8};
+  options.orientation = kOrientations[static_cast<size_t>(setup.turn_deg / 90)];
+  return options;
+}
+
+Intake take_in(const BuildSetup& setup, const Job& job) {
+  IntakeOptions options{setup.scratch, frames_options(setup).max_pixels, std::nullopt};
+  if (setup.fov_deg > 0 && setup.turn_deg % 180 == 0) options.fov_rad = setup.fov_deg * std::numbers::pi / 180;
+  return {setup.captures, options, job};
+}
+
+// A folder without photos says what it has instead.
+FolderFrames frames_of(const Intake& intake, const BuildSetup& setup) {
+  if (intake.photos().empty()) return open_folder(setup);
+  return {intake.photos(), setup.capture(), frames_options(setup)};
+}
+
 }  // namespace
 
+std::string BuildSetup::capture() const {
+  return captures.size() == 1 ? captures.front()
+                              : captures.front() + " and " + std::to_string(captures.size() - 1) + " more";
+}
+
 void add_capture_options(CLI::App& command, BuildSetup& setup) {
-  command.add_option("CAPTURE", setup.capture, "Folder of photos, taken in name order")->required();
+  command
+      .add_option("CAPTURE", setup.captures,
+                  "Folder of photos, taken in name order; or the photos themselves, @LIST of their names, a .zip "
+                  "archive of them, or a film (needs ffmpeg)")
+      ->required();
   command.add_option("--cameras", setup.cameras,
                      "Known cameras (transforms.json, or the folder of a COLMAP model); without they are estimated");
   command.add_option("--fov", setup.fov_deg, "Horizontal field of view of the photos, degrees, as a start")
@@ -66,10 +97,16 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
       ->check(CLI::Range(2, 16))
       ->capture_default_str();
   command
+      .add_option_function<std::string>(
+          "--effort", [&build](const std::string& name) { build.effort = *effort_named(name); },
+          "How much work: fast for weak boards, best where time does not matter")
+      ->check(CLI::IsMember(effort_names()))
+      ->default_str("standard");
+  command
       .add_option("--iterations", build.iterations,
-                  "Rounds; from the second on with visibility, and the photos choose between the last two")
-      ->check(CLI::Range(1, 4))
-      ->capture_default_str();
+                  "Rounds; from the second on with visibility, and the photos choose between the last two; without as "
+                  "many as the effort asks for")
+      ->check(CLI::Range(1, 4));
   command
       .add_option_function<std::string>(
           "--rays",
@@ -95,13 +132,7 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
       ->default_str("0");
 }
 
-FolderFrames open_frames(const BuildSetup& setup) {
-  FolderFramesOptions folder;
-  folder.max_pixels = std::llround(setup.megapixels * 1e6);
-  constexpr std::array kOrientations = {1, 6, 3, 8};
-  folder.orientation = kOrientations[static_cast<size_t>(setup.turn_deg / 90)];
-  return FolderFrames(setup.capture, folder);
-}
+FolderFrames open_folder(const BuildSetup& setup) { return FolderFrames(setup.capture(), frames_options(setup)); }
 
 PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes, const FolderFrames& frames) {
   PosesOptions options = setup.build.poses;
@@ -116,12 +147,15 @@ PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes, c
   return options;
 }
 
-PreparedBuild prepare(const BuildSetup& setup) {
+PreparedBuild prepare(const BuildSetup& setup, const Job& job) {
   if (!setup.cameras.empty() && !std::filesystem::is_directory(setup.cameras)) check_input_file(setup.cameras);
-  PreparedBuild prepared{open_frames(setup), read_capture_notes(setup.capture), setup.build};
+  Intake intake = take_in(setup, job);
+  FolderFrames frames = frames_of(intake, setup);
+  CaptureNotes notes = read_capture_notes(intake.folder());
+  PreparedBuild prepared{std::move(intake), std::move(frames), std::move(notes), setup.build};
   const int photos = prepared.frames.size();
   if (photos < kFewestPhotos) {
-    throw Impossible(setup.capture + ": " + (photos == 1 ? "one photo" : std::to_string(photos) + " photos") +
+    throw Impossible(setup.capture() + ": " + (photos == 1 ? "one photo" : std::to_string(photos) + " photos") +
                      " only: a panorama needs at least " + std::to_string(kFewestPhotos) + " of one sweep");
   }
   BuildOptions& options = prepared.options;
@@ -135,7 +169,7 @@ PreparedBuild prepare(const BuildSetup& setup) {
     check_lenses(options.cameras, setup.cameras);
     if (options.cameras.size() < 3) {
       throw BadInput(setup.cameras + ": only " + std::to_string(options.cameras.size()) +
-                     " of its cameras are named like photos of " + setup.capture +
+                     " of its cameras are named like photos of " + setup.capture() +
                      ": check that file_path holds the photos' names");
     }
   }
@@ -144,11 +178,12 @@ PreparedBuild prepare(const BuildSetup& setup) {
 
 nlohmann::ordered_json options_json(const BuildSetup& setup, const BuildOptions& used) {
   nlohmann::ordered_json json;
-  json["capture"] = setup.capture;
+  json["capture"] = setup.capture();
   json["cameras"] = setup.cameras;
   json["layers"] = used.layers;
   json["labels"] = used.labels;
-  json["iterations"] = used.iterations;
+  json["effort"] = options_of(used.effort).name;
+  json["iterations"] = iterations_of(used);
   json["rays"] = used.rays == Rays::pushbroom ? "pushbroom" : "central";
   json["block_px"] = used.block_px;
   json["near_depth"] = used.near_depth;

@@ -4,36 +4,44 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
+#include "core/base/job.h"
 #include "core/captures/folder_frames.h"
 #include "core/pipeline/build.h"
+#include "device/tool/intake/intake.h"
 
 namespace ldp {
 
 struct BuildSetup {
-  std::string capture, cameras;  // folder; transforms.json or empty
-  double megapixels = 2.1;       // of a frame at most
-  int turn_deg = 0;              // clockwise, that makes photos upright
-  double fov_deg = 0;            // 0 = from the photos
-  double arm_length = 0;         // 0 = from capture.json, else the default
+  std::vector<std::string> captures;  // what the photos come in (intake/intake.h)
+  std::string cameras;                // transforms.json or empty
+  std::string scratch;                // folder for what is unpacked meanwhile; empty = the system's
+  double megapixels = 2.1;            // of a frame at most
+  int turn_deg = 0;                   // clockwise, that makes photos upright
+  double fov_deg = 0;                 // 0 = from the photos
+  double arm_length = 0;              // 0 = from capture.json, else the default
   int colour_quality = 90;
   BuildOptions build;
+
+  std::string capture() const;  // in words
 };
 
-void add_capture_options(CLI::App& command, BuildSetup& setup);  // the folder, and how poses are found
+void add_capture_options(CLI::App& command, BuildSetup& setup);  // the photos, and how poses are found
 void add_build_options(CLI::App& command, BuildSetup& setup);    // everything else
 
 struct PreparedBuild {
+  Intake intake;  // what the frames lie in
   FolderFrames frames;
   CaptureNotes notes;
   BuildOptions options;  // complete: notes and given cameras applied
 };
 
-FolderFrames open_frames(const BuildSetup& setup);
+FolderFrames open_folder(const BuildSetup& setup);  // where it is one
 PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes, const FolderFrames& frames);
 
-// Reads what the options name. Throws BadInput or std::runtime_error.
-PreparedBuild prepare(const BuildSetup& setup);
+// Reads what the options name, and unpacks it. Throws BadInput or std::runtime_error.
+PreparedBuild prepare(const BuildSetup& setup, const Job& job);
 
 // Every option with its value, for report.json.
 nlohmann::ordered_json options_json(const BuildSetup& setup, const BuildOptions& used);

@@ -58,6 +58,7 @@ void add_commands(Program& program) {
   add_evaluate(program);
   add_poses(program);
   add_scene(program);
+  add_summary(program);
   add_device_command(program, "serve", "A gallery of the panoramas of a folder, for browsers");
   add_device_command(program, "watch", "Show what a device tells over LCM, or send it a command");
 }

@@ -10,11 +10,17 @@
 
 namespace ldp {
 
+struct Failure {
+  int status = kInternalError;
+  std::string text;  // one line
+};
+
 struct Program {
   CLI::App app;
   Session session;
-  std::string command;          // name of the one chosen
-  std::function<int()> chosen;  // returns the exit status
+  std::string command;                         // name of the one chosen
+  std::function<int()> chosen;                 // returns the exit status
+  std::function<void(const Failure&)> failed;  // may be empty; is told after the person was, and may throw
 };
 
 // A command whose `run` is called with the session when it was chosen. Adds the options that all commands have.
@@ -33,6 +39,7 @@ void add_export(Program& program);
 void add_evaluate(Program& program);
 void add_poses(Program& program);
 void add_scene(Program& program);
+void add_summary(Program& program);
 void add_capture(Program& program);
 void add_watch(Program& program);
 void add_serve(Program& program);

@@ -3,7 +3,10 @@
 #include <malloc.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <system_error>
@@ -11,7 +14,9 @@
 #include "device/tool/commands.h"
 #include "device/tool/process/interrupt.h"
 #include "device/tool/process/out_of_memory.h"
+#include "device/tool/process/progress_bar.h"
 #include "device/tool/switches.h"
+#include "drivers/interface/standard_streams.h"
 
 namespace ldp {
 namespace {
@@ -63,27 +68,50 @@ int parse(Program& program, int argc, char** argv) {
 }
 
 // One line, one status: see session.h. What a file holds that cannot be read comes as runtime_error.
+Failure failure_of(const Program& program, const std::exception_ptr& cause) {
+  try {
+    std::rethrow_exception(cause);
+  } catch (const BadInput& error) {
+    return {kBadInput, error.what()};
+  } catch (const Impossible& error) {
+    return {kCannotBeDone, with_switches(error.what())};
+  } catch (const std::bad_alloc&) {
+    return {kTryAgain, out_of_memory(program)};
+  } catch (const MachineFault& error) {
+    return {kTryAgain, error.what()};
+  } catch (const std::system_error& error) {
+    return {is_machine_fault(error.code()) ? kTryAgain : kCannotBeDone, error.what()};
+  } catch (const std::invalid_argument& error) {
+    return {kBadInput, with_switches(error.what())};
+  } catch (const std::runtime_error& error) {
+    return {kBadInput, with_switches(error.what())};
+  } catch (const std::exception& error) {
+    return {kInternalError, std::string("internal error: ") + error.what() + ": please report it"};
+  }
+}
+
 int run(const Program& program) {
   say_when_memory_ends(line_from(program, out_of_memory(program)));
   try {
     return program.chosen();
   } catch (const Cancelled&) {
     return kInterrupted;
-  } catch (const BadInput& error) {
-    return complain(program, error.what(), kBadInput);
-  } catch (const Impossible& error) {
-    return complain(program, with_switches(error.what()), kCannotBeDone);
-  } catch (const std::bad_alloc&) {
-    return complain(program, out_of_memory(program), kCannotBeDone);
-  } catch (const std::system_error& error) {
-    return complain(program, error.what(), kCannotBeDone);
-  } catch (const std::invalid_argument& error) {
-    return complain(program, with_switches(error.what()), kBadInput);
-  } catch (const std::runtime_error& error) {
-    return complain(program, with_switches(error.what()), kBadInput);
-  } catch (const std::exception& error) {
-    return complain(program, std::string("internal error: ") + error.what() + ": please report it", kCannotBeDone);
+  } catch (...) {
+    const Failure failure = failure_of(program, std::current_exception());
+    complain(program, failure.text, failure.status);
+    try {
+      if (program.failed) program.failed(failure);
+    } catch (const std::exception&) {  // the person knows already
+    }
+    return failure.status;
   }
+}
+
+// What was printed on a full disk is lost, and that is no success.
+int with_all_printed(const Program& program, int status) {
+  if (flush_standard_output() || status != kDone) return status;
+  const std::string why = errno == 0 ? std::string() : std::string(": ") + std::strerror(errno);
+  return complain(program, "cannot write to standard output" + why, kCannotBeDone);
 }
 
 }  // namespace
@@ -116,6 +144,8 @@ void return_freed_memory() {
 }  // namespace ldp
 
 int main(int argc, char** argv) try {
+  ldp::keep_standard_streams();
+  std::signal(SIGCHLD, SIG_DFL);  // a parent that ignored it left us so, and how a film's program ended would be lost
   ldp::return_freed_memory();
   ldp::Interrupt interrupt;
   ldp::Program program;
@@ -126,12 +156,13 @@ int main(int argc, char** argv) try {
   ldp::add_commands(program);
   program.app.footer(  // commands take over what is set before they are added
       "Exit status: 0 done, 1 the job cannot be done or 'verify' found damage, 2 unusable arguments or unreadable "
-      "input (a damaged .ldp among it), 130 interrupted.");
+      "input (a damaged .ldp among it), 70 an internal error, 75 the machine is at fault, as by a full disk or too "
+      "little memory: try again, 130 interrupted.");
   const int parsed = ldp::parse(program, argc, argv);
   if (!program.chosen) return parsed;
-  const int status = ldp::run(program);
+  const int status = ldp::with_all_printed(program, ldp::run(program));
   return interrupt.came() ? ldp::kInterrupted : status;
 } catch (const std::exception& error) {  // before there is a command: no room for the thread that waits for Ctrl-C
   std::fprintf(stderr, "ldp: cannot start: %s\n", error.what());
-  return ldp::kCannotBeDone;
+  return ldp::kTryAgain;
 }

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <random>
 #include <span>
 #include <system_error>
 
@@ -45,6 +46,22 @@ bool ends_like_a_file(const fs::path& path) {
          std::any_of(extension.begin(), extension.end(), [](unsigned char c) { return std::isalpha(c) != 0; });
 }
 
+// A name that no other program has, nor one that was killed: in containers all have the same process number.
+fs::path beside(const fs::path& folder) {
+  std::random_device random;
+  const uint64_t number = uint64_t{random()} << 32 | random();
+  std::string name = ".";
+  name.append(folder.filename().string()).append(".partial-").append(std::to_string(number));
+  return folder.parent_path() / name;
+}
+
+// Of files the names in them, too, outlive a power cut, once they have been flushed.
+void flush_tree(const fs::path& folder) {
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_directory() && !entry.is_symlink()) flush_tree(entry.path());
+  flush_folder(folder);
+}
+
 void move_tree(const fs::path& from, const fs::path& to) {
   for (const auto& entry : fs::directory_iterator(from)) {
     const fs::path target = to / entry.path().filename();
@@ -53,6 +70,7 @@ void move_tree(const fs::path& from, const fs::path& to) {
     else
       fs::rename(entry.path(), target);
   }
+  flush_folder(to);
 }
 
 }  // namespace
@@ -122,11 +140,11 @@ OutputFolder::OutputFolder(const fs::path& folder, Existing existing)
                    folder.string() + "/ if a folder is meant");
   }
   check_folder_takes_files(final_.parent_path(), folder);
-  std::string name = ".";
-  name += final_.filename().string() + ".partial-" + std::to_string(::getpid());
-  partial_ = final_.parent_path() / name;
+  partial_ = beside(final_);
   temporary_ = std::make_unique<Temporary>(partial_);
-  if (!fs::create_directory(partial_, error) && error) {
+  if (!fs::create_directory(partial_, error)) {
+    if (!error) error = std::make_error_code(std::errc::file_exists);
+    if (is_machine_fault(error)) throw MachineFault(folder.string() + ": cannot be created (" + error.message() + ")");
     throw BadInput(folder.string() + ": cannot be created (" + error.message() + "): choose a folder you may write to");
   }
 }
@@ -145,6 +163,7 @@ void OutputFolder::fill(const std::function<void()>& write) const {
     if (text.find(partial) == std::string::npos) throw;
     for (size_t at = 0; (at = text.find(partial, at)) != std::string::npos; at += shown_.string().size())
       text.replace(at, partial.size(), shown_.string());
+    if (is_machine_fault(error.code())) throw MachineFault(text);
     throw Impossible(text);
   }
 }
@@ -153,10 +172,13 @@ void OutputFolder::keep() {
   const Finishing finishing;
   fill([this] {
     std::error_code error;
-    if (!fs::exists(final_, error) || fs::is_empty(final_, error))
+    flush_tree(partial_);
+    if (!fs::exists(final_, error) || fs::is_empty(final_, error)) {
       fs::rename(partial_, final_);
-    else
+      flush_folder(final_.parent_path());
+    } else {
       move_tree(partial_, final_);
+    }
   });
 }
 

@@ -42,7 +42,8 @@ class OutputFolder {
   OutputFolder& operator=(const OutputFolder&) = delete;
 
   const std::filesystem::path& path() const { return partial_; }
-  // Runs what writes files below `path`. Throws Impossible when one cannot be written, by the name it would have had.
+  // Runs what writes files below `path`. Throws Impossible, or MachineFault, when one cannot be written, by the name it
+  // would have had.
   void fill(const std::function<void()>& write) const;
   void keep();  // throws as `fill` does
 

@@ -29,10 +29,6 @@ bool holds_our_cameras(const nlohmann::json& json) {
   return true;
 }
 
-bool holds_report(const nlohmann::json& json) {
-  return json.is_object() && json.contains("options") && json.contains("seconds") && json.contains("panorama");
-}
-
 bool is_of(OutputKind kind, const fs::path& file) {
   const MappedFile mapped(file);
   const std::string_view all = text_of(mapped.bytes()), head = all.substr(0, kHead);
@@ -41,7 +37,7 @@ bool is_of(OutputKind kind, const fs::path& file) {
     case OutputKind::panorama:
       return head.starts_with("\xABLDP");
     case OutputKind::report:
-      return holds_report(nlohmann::json::parse(all, nullptr, false));
+      return is_report(nlohmann::ordered_json::parse(all, nullptr, false));
     case OutputKind::cameras:
       return file.filename() != "capture.json" && holds_our_cameras(nlohmann::json::parse(all, nullptr, false));
     case OutputKind::picture:
@@ -52,6 +48,8 @@ bool is_of(OutputKind kind, const fs::path& file) {
       return head.starts_with("ply\n") && says("comment layered-depth-panorama");
     case OutputKind::viewer:
       return says("<title>Layered depth panorama</title>");
+    case OutputKind::summary:
+      return says(std::string("<title>") + kSummaryTitle);
     case OutputKind::film:
       return all.find(kRendered) != std::string_view::npos;  // where its metadata lie is the container's choice
   }
@@ -74,6 +72,8 @@ const char* words_for(OutputKind kind) {
       return "point cloud of this program";
     case OutputKind::viewer:
       return "viewer of this program";
+    case OutputKind::summary:
+      return "summary of this program";
     case OutputKind::film:
       return "film that tells it was rendered by this program";
   }
@@ -81,6 +81,11 @@ const char* words_for(OutputKind kind) {
 }
 
 }  // namespace
+
+bool is_report(const nlohmann::ordered_json& json) {
+  if (!json.is_object() || !json.contains("options")) return false;
+  return json.contains("failure") || (json.contains("seconds") && json.contains("panorama"));
+}
 
 OutputKind exported_kind(const fs::path& file) {
   const std::string extension = extension_of(file);

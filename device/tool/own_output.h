@@ -4,12 +4,18 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 namespace ldp {
 
-enum class OutputKind { panorama, report, cameras, picture, mesh, cloud, viewer, film };
+enum class OutputKind { panorama, report, cameras, picture, mesh, cloud, viewer, film, summary };
 
 constexpr const char* kRendered = "ldp render";  // told in every view and film: other ones are someone's own
+
+constexpr const char* kSummaryTitle = "Layered depth panoramas: a summary";
+
+// Whether this is what `ldp build --report` writes, of a build that was done or that failed.
+bool is_report(const nlohmann::ordered_json& json);
 
 // The kind that `ldp export` writes by the file's extension, which it must know.
 OutputKind exported_kind(const std::filesystem::path& file);

@@ -4,17 +4,35 @@
 #include <stdexcept>
 #include <stop_token>
 #include <string>
+#include <system_error>
 
 #include "core/base/job.h"
 
 namespace ldp {
 
-enum ExitStatus : int { kDone = 0, kCannotBeDone = 1, kBadInput = 2, kInterrupted = 130 };
+// 70 and 75 are those of sysexits.h: an internal error, and a machine at fault, on which another time may go better.
+enum ExitStatus : int {
+  kDone = 0,
+  kCannotBeDone = 1,
+  kBadInput = 2,
+  kInternalError = 70,
+  kTryAgain = 75,
+  kInterrupted = 130
+};
 
 // The user asked for something that cannot be meant, or gave something that cannot be read. Exit status 2.
 struct BadInput : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+// The machine let the job down: a full disk, say. Exit status 75.
+struct MachineFault : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Whether a system call failed for want of something that another machine, or another time, may have: room, memory,
+// descriptors, a disk that answers. What was named wrongly, or may not be used, is not that.
+bool is_machine_fault(const std::error_code& code);
 
 class ProgressBar;
 

@@ -2,8 +2,7 @@
 //
 //   lcm:udpm://239.255.76.67:7667?ttl=0    lcm:memq://     channels LDP_STATUS, LDP_PROGRESS, ... (drivers/*.lcm)
 //   console:                                               one line a message on standard error
-//   led:gpiochip0/18   led:name=capture-led                on while capturing, blinking while building,
-//                                                          two flashes every two seconds: sweep again
+//   led:gpiochip0/18   led:name=capture-led                a sign for each state (drivers/led_pattern.h)
 //
 // Publishing never blocks and never throws: status is told as well as possible, and the capture goes on without.
 #pragma once

@@ -160,6 +160,22 @@ class V4l2Camera final : public CameraDevice {
     if (!answered)
       throw std::runtime_error("'" + path_ + "' (" + name_ + ") insists on a pixel format that is not known here");
     mode_.format = *answered;
+    stride_ = std::max(stride_, least_stride());  // some drivers tell none
+  }
+
+  int least_stride() const {
+    switch (mode_.format) {
+      case PixelFormat::mjpeg:
+        return 0;
+      case PixelFormat::nv12:
+        return mode_.width;
+      case PixelFormat::yuyv:
+        return 2 * mode_.width;
+      case PixelFormat::rgb24:
+      case PixelFormat::bgr24:
+        break;
+    }
+    return 3 * mode_.width;
   }
 
   void set_rate(double fps) {

@@ -24,28 +24,30 @@ struct Sample {
   float depth = 0;
 };
 
+RayOf rays_of(const Camera& camera) {
+  const Intrinsics& in = camera.intrinsics;
+  const bool is_distorted = in.k1 != 0 || in.k2 != 0 || in.p1 != 0 || in.p2 != 0;
+  return [&camera, is_distorted](const Eigen::Vector2d& at) {
+    const Intrinsics& lens = camera.intrinsics;
+    const Eigen::Vector3d direction =
+        is_distorted ? unproject(lens, at)
+                     : Eigen::Vector3d((at.x() - lens.cx) / lens.fx, (at.y() - lens.cy) / lens.fy, 1);
+    return Ray{camera.pose.centre, camera.pose.world_from_camera * direction, 1 / lens.fx};
+  };
+}
+
 class Eye {
  public:
-  Eye(const Scene& scene, const Camera& camera) : scene_(scene), camera_(camera) {
-    const Intrinsics& in = camera.intrinsics;
-    distorted_ = in.k1 != 0 || in.k2 != 0 || in.p1 != 0 || in.p2 != 0;
-  }
+  Eye(const Scene& scene, const RayOf& ray_of) : scene_(scene), ray_of_(ray_of) {}
 
-  Ray ray(double x, double y) const {
-    const Intrinsics& in = camera_.intrinsics;
-    const Eigen::Vector3d direction =
-        distorted_ ? unproject(in, {x, y}) : Eigen::Vector3d((x - in.cx) / in.fx, (y - in.cy) / in.fy, 1);
-    return {camera_.pose.centre, camera_.pose.world_from_camera * direction, 1 / in.fx};
-  }
   Sample look(double x, double y) const {
-    const Hit hit = scene_.first_hit(ray(x, y));
+    const Hit hit = scene_.first_hit(ray_of_({x, y}));
     return {hit.colour, hit.object, static_cast<float>(hit.t)};
   }
 
  private:
   const Scene& scene_;
-  const Camera& camera_;
-  bool distorted_ = false;
+  const RayOf& ray_of_;
 };
 
 float gamma_of(float linear) { return std::sqrt(std::clamp(linear, 0.0F, 1.0F)); }
@@ -182,10 +184,22 @@ RgbImage develop(LinearPicture& picture, const PictureOptions& options, const Jo
   return image;
 }
 
-void check(const Camera& camera, const PictureOptions& options) {
+// What brings the mean of logarithms of light to mid-grey.
+double metered(const Plane<Vector3f>& light) {
+  constexpr double kMidGrey = 0.18, kLeast = 1e-3;
+  double sum = 0;
+  for (const Vector3f& c : light.samples)
+    sum += std::log(std::max(kLeast, static_cast<double>(0.2126F * c[0] + 0.7152F * c[1] + 0.0722F * c[2])));
+  return kMidGrey / std::exp(sum / static_cast<double>(light.samples.size()));
+}
+
+void check(const Camera& camera) {
   const Intrinsics& in = camera.intrinsics;
   if (in.width < 1 || in.height < 1 || in.fx <= 0 || in.fy <= 0)
     throw std::logic_error("take_picture: camera needs a size and a focal length");
+}
+
+void check(const PictureOptions& options) {
   if (options.edge_samples < 1 || options.edge_samples > 8) {
     throw std::logic_error("take_picture: edge_samples " + std::to_string(options.edge_samples) + ", expected 1 .. 8");
   }
@@ -194,15 +208,22 @@ void check(const Camera& camera, const PictureOptions& options) {
 }  // namespace
 
 Picture take_picture(const Scene& scene, const Camera& camera, const PictureOptions& options, const Job& job) {
-  check(camera, options);
-  const int width = camera.intrinsics.width, height = camera.intrinsics.height;
-  const Eye eye(scene, camera);
+  check(camera);
+  return take_picture(scene, camera.intrinsics.width, camera.intrinsics.height, rays_of(camera), options, job);
+}
+
+Picture take_picture(const Scene& scene, int width, int height, const RayOf& ray_of, const PictureOptions& options,
+                     const Job& job) {
+  check(options);
+  const Eye eye(scene, ray_of);
   LinearPicture picture{Plane<Vector3f>(width, height, Vector3f::Zero()), Plane<float>(width, height),
                         options.edge_samples};
   parallel_for(job, (height + kBandRows - 1) / kBandRows, [&](int band) {
     render_band(eye, band * kBandRows, std::min(height, (band + 1) * kBandRows), job, picture);
   });
-  return {develop(picture, options, job), std::move(picture.depth)};
+  PictureOptions exposed = options;
+  if (options.meters) exposed.exposure *= metered(picture.light);
+  return {develop(picture, exposed, job), std::move(picture.depth), exposed.exposure};
 }
 
 Rgb developed(const Vector3f& light) {
@@ -211,8 +232,9 @@ Rgb developed(const Vector3f& light) {
 }
 
 Plane<float> take_depth(const Scene& scene, const Camera& camera, const Job& job) {
-  check(camera, {});
-  const Eye eye(scene, camera);
+  check(camera);
+  const RayOf ray_of = rays_of(camera);
+  const Eye eye(scene, ray_of);
   Plane<float> depth(camera.intrinsics.width, camera.intrinsics.height);
   parallel_for(job, depth.height, [&](int y) {
     for (int x = 0; x < depth.width; ++x) depth.at(x, y) = eye.look(x + 0.5, y + 0.5).depth;

@@ -208,7 +208,7 @@ Vector3f Scene::sky(const Vector3d& direction, double pixel_size) const {
   return blue + (Vector3f(0.95F, 0.95F, 0.96F) - blue) * cloud;
 }
 
-Vector3f Scene::shade(const Ray& ray, const Found& found) const {
+Vector3f Scene::reflected(const Ray& ray, const Found& found) const {
   if (found.object == kSky) return sky(ray.direction, ray.pixel_size);
   TexturePoint point{found.local, Eigen::Vector2d(found.local.x(), found.local.y()), found.t * ray.pixel_size};
   const Material* material = &description_.ground;
@@ -238,11 +238,22 @@ Vector3f Scene::shade(const Ray& ray, const Found& found) const {
   return lit + (Vector3f(0.55F, 0.66F, 0.8F) - lit) * haze;
 }
 
+float Scene::light_at(const Vector3d& place) const {
+  if (description_.shade == 1) return 1;
+  constexpr double kEdge = 0.2;  // sine of the angle over which light becomes shade
+  const double across = place.x() / std::max(1e-9, std::hypot(place.x(), place.y()));
+  const auto sunny = static_cast<float>(std::clamp(across / kEdge + 0.5, 0.0, 1.0));
+  return description_.shade + (1 - description_.shade) * sunny * sunny * (3 - 2 * sunny);
+}
+
 Hit Scene::first_hit(const Ray& ray, double t_min) const {
   Found found{kNever, kSky, Vector3d::Zero(), Vector3d::UnitZ()};
   find_among_objects(ray, t_min, found);
   find_ground_and_hills(ray, t_min, found);
-  return {found.t, found.object, shade(ray, found)};
+  const bool is_sky = found.object == kSky;
+  const Vector3f light =
+      light_at(is_sky ? ray.direction : ray.origin + found.t * ray.direction) * reflected(ray, found);
+  return {found.t, found.object, light};
 }
 
 std::vector<Hit> Scene::hits(const Ray& ray, int limit) const {

@@ -4,7 +4,8 @@
 // origin + t * direction with a direction of any length, so that t is z-depth for camera rays with z = 1 and the
 // paper's cylinder distance for panorama rays u + v n. Solid objects are met where a ray enters them, leaves and
 // pictures from both sides. Bounding-volume hierarchy; safe to use from several threads.
-// Colours are linear; there are no cast shadows and no reflections, so a point has one colour from everywhere.
+// Colours are linear; there are no shadows but the shade that half of the world may lie in, and no reflections, so a
+// point has one colour from everywhere.
 #pragma once
 
 #include <Eigen/Core>
@@ -44,6 +45,7 @@ struct SceneDescription {
   float cloud_cover = 0.5F;  // 0 .. 1
   uint32_t seed = 1;
   Eigen::Vector3d towards_sun = {0.35, 0.45, 0.82};
+  float shade = 1;  // share of the light that the half with x < 0 has, as seen from the origin, its sky included
 };
 
 struct Ray {
@@ -108,7 +110,8 @@ class Scene {
   int split(int first, int count, float whole_area);
   void find_among_objects(const Ray& ray, double t_min, Found& found) const;
   void find_ground_and_hills(const Ray& ray, double t_min, Found& found) const;
-  Eigen::Vector3f shade(const Ray& ray, const Found& found) const;
+  Eigen::Vector3f reflected(const Ray& ray, const Found& found) const;
+  float light_at(const Eigen::Vector3d& place) const;  // or in a direction: share of full light
   Eigen::Vector3f sky(const Eigen::Vector3d& direction, double pixel_size) const;
 
   SceneDescription description_;

@@ -100,6 +100,29 @@ void railing(SceneBuilder& b, double radius, double from, double to, double spac
   }
 }
 
+// As thick as a finger, slack by a fiftieth of its length.
+void wire(SceneBuilder& b, const Vector3d& from, const Vector3d& to, const Material& m) {
+  constexpr int kPieces = 8;
+  const auto at = [&](int i) {
+    const double share = static_cast<double>(i) / kPieces, slack = 0.02 * (to - from).norm();
+    return Vector3d(from + share * (to - from) - Vector3d(0, 0, 4 * slack * share * (1 - share)));
+  };
+  for (int i = 0; i < kPieces; ++i) b.rod(at(i), at(i + 1), 0.0065, m);
+}
+
+// Tall grass: stalks that rise straight and then bend outwards.
+void tuft(SceneBuilder& b, const Vector3d& foot, double height, int stalks) {
+  for (int i = 0; i < stalks; ++i) {
+    const Vector3f colour = tinted(kOlive, b.random, 0.4);
+    const Material blade = b.material(Pattern::mottled, 0.5F * colour, 1.6F * colour, 0.1);
+    const double angle = b.random.uniform(0, kFullTurn), tall = height * b.random.uniform(0.7, 1);
+    const Vector3d root = foot + polar(angle, b.random.uniform(0, 0.08), 0);
+    const Vector3d bend = root + polar(angle, 0.1 * tall, 0.6 * tall);
+    b.rod(root, bend, 0.006, blade);
+    b.rod(bend, root + polar(angle, 0.3 * tall, tall), 0.004, blade);
+  }
+}
+
 void lamp_post(SceneBuilder& b, const Vector3d& foot, double height) {
   const Material metal = b.metal();
   b.rod(foot, foot + Vector3d(0, 0, height), 0.045, metal);

@@ -13,6 +13,8 @@ void figure(SceneBuilder& b, const Vector3d& foot);
 void house(SceneBuilder& b, double angle, double distance, const Vector3d& half);
 void houses(SceneBuilder& b, int count, double nearest, double farthest);
 void railing(SceneBuilder& b, double radius, double from, double to, double spacing);
+void wire(SceneBuilder& b, const Vector3d& from, const Vector3d& to, const Material& m);
+void tuft(SceneBuilder& b, const Vector3d& foot, double height, int stalks);
 void lamp_post(SceneBuilder& b, const Vector3d& foot, double height);
 void planter(SceneBuilder& b, const Vector3d& foot, double height, int leaves);
 void low_wall(SceneBuilder& b, double angle, double distance, double half_width, double height);

@@ -144,9 +144,33 @@ SceneDescription figures(uint32_t seed) {
   return b.scene;
 }
 
+SceneDescription railings(uint32_t seed) {
+  SceneBuilder b(seed);
+  b.scene.ground = b.material(Pattern::bricks, {0.24F, 0.22F, 0.2F}, {0.6F, 0.57F, 0.52F}, 0.5);
+  b.scene.ground.accent = {0.16F, 0.15F, 0.14F};
+  countryside(b);
+  houses(b, 12, 12, 18);
+  railing(b, 4.4, 0, kFullTurn, 0.14);
+  constexpr int kPosts = 8;
+  const Material metal = b.metal();
+  for (int i = 0; i < kPosts; ++i) {
+    const double angle = kFullTurn * i / kPosts, next = kFullTurn * (i + 1) / kPosts;
+    b.rod(polar(angle, 5.5, 0), polar(angle, 5.5, 3.3), 0.04, metal);
+    for (const double height : {2.3, 2.7, 3.1}) wire(b, polar(angle, 5.5, height), polar(next, 5.5, height), metal);
+  }
+  for (int i = 0; i < 6; ++i) {
+    const double angle = kFullTurn * (i + b.random.uniform(0.1, 0.5)) / 6;
+    tree(b, polar(angle, b.random.uniform(6.5, 9), 0), b.random.uniform(3, 4.5), 60);
+    planter(b, polar(angle + 0.35, b.random.uniform(2.2, 3), 0), 0.7, 30);
+    for (int k = 0; k < 3; ++k)
+      tuft(b, polar(angle + 0.5 + 0.12 * k, b.random.uniform(1.8, 3.2), 0), b.random.uniform(1.2, 1.8), 14);
+  }
+  return b.scene;
+}
+
 const std::map<std::string, std::function<SceneDescription(uint32_t)>>& makers() {
   static const std::map<std::string, std::function<SceneDescription(uint32_t)>> all = {
-      {"courtyard", courtyard}, {"figures", figures}, {"garden", garden},
+      {"courtyard", courtyard}, {"figures", figures}, {"garden", garden},  {"railings", railings},
       {"repeated", repeated},   {"room", room},       {"terrace", terrace}};
   return all;
 }

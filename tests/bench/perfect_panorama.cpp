@@ -13,14 +13,11 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
-
-#include <nlohmann/json.hpp>
 
 #include "core/arc/arc.h"
 #include "core/base/files.h"
@@ -28,7 +25,6 @@
 #include "core/panorama/panorama.h"
 #include "core/photos/images.h"
 #include "core/view/render.h"
-#include "sim/scene/scenes.h"
 #include "tests/bench/true_surfaces.h"
 
 namespace fs = std::filesystem;
@@ -137,17 +133,6 @@ void measure(const std::string& name, const LayeredPanorama& panorama, const std
   std::printf("%-34s %6.2f %6.2f %6.2f %6.2f   %5.0f %6.1f  %s\n", name.c_str(), all / n, on_arc / 4, covered / n,
               hole / n, 1e3 * (prepared - start), 1e3 * drawing / n, each.c_str());
   std::fflush(stdout);
-}
-
-// The scene that `ldp scene` rendered, if it did.
-std::optional<Scene> described_scene(const fs::path& folder) {
-  std::ifstream in(folder / "capture.json");
-  if (!in) return {};
-  const std::string camera = nlohmann::json::parse(in).value("camera", "");
-  char name[64];
-  unsigned seed = 0;
-  if (std::sscanf(camera.c_str(), "scene:%63[^?]?seed=%u", name, &seed) != 2) return {};
-  return Scene(make_scene(name, seed));
 }
 
 std::vector<TrueSurfaces> find_surfaces(const PanoramaGrid& grid, const std::optional<Scene>& scene,

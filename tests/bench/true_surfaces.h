@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "core/base/job.h"
@@ -23,6 +24,10 @@ struct TrueView {
 // (or .pfm).
 std::vector<TrueView> read_true_views(const std::filesystem::path& folder, const std::string& transforms,
                                       const std::string& pictures);
+
+// The scene that a folder's pictures show, where `ldp scene` made them (its capture.json tells): at rest, in full
+// light.
+std::optional<Scene> described_scene(const std::filesystem::path& folder);
 
 struct TrueSurface {
   float w = -1;  // inverse depth; negative = none

@@ -1,6 +1,11 @@
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
 #include "core/base/files.h"
 #include "core/captures/transforms.h"
 #include "core/photos/images.h"
+#include "sim/scene/scenes.h"
 #include "tests/bench/depth_truth.h"
 #include "tests/bench/true_surfaces.h"
 
@@ -20,6 +25,16 @@ std::vector<TrueView> read_true_views(const std::filesystem::path& folder, const
     views.push_back(std::move(view));
   }
   return views;
+}
+
+std::optional<Scene> described_scene(const std::filesystem::path& folder) {
+  std::ifstream in(folder / "capture.json");
+  if (!in) return {};
+  const std::string camera = nlohmann::json::parse(in).value("camera", "");
+  char name[64];
+  unsigned seed = 0;
+  if (std::sscanf(camera.c_str(), "scene:%63[^?]?seed=%u", name, &seed) != 2) return {};
+  return Scene(make_scene(name, seed));
 }
 
 }  // namespace ldp

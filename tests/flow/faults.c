@@ -1,7 +1,7 @@
 // Preloaded before a program: makes chosen system calls fail, wait or lie, as a full disk or a bad card would.
 //
 //   LDP_FAULTS     rules separated by ';', each CALL MATCH WHICH ACTION [ARGUMENT]:
-//     CALL         open read write fsync mmap rename unlink mkdir statvfs pipe fork thread malloc clock
+//     CALL         open read write fsync mmap rename unlink mkdir statvfs pipe fork thread malloc clock accept epoll
 //     MATCH        part of the file's path, its end before '$' ('-' = any); of malloc: the least size in bytes
 //     WHICH        3 = the third such call of the process, 3+ = that and all later ones, * = all
 //     ACTION       an errno by name (ENOSPC ...); short (half of a read or write); delay MILLISECONDS; wait FILE (until
@@ -25,6 +25,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/epoll.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -318,6 +319,21 @@ int mkdir(const char* path, mode_t mode) {
   const int result = ((int (*)(const char*, mode_t))libc("mkdir"))(path, mode);
   end_record(result == 0, "mkdir", path, "");
   return result;
+}
+
+int unlinkat(int folder, const char* path, int flags) {
+  if (fails("unlink", path, 0)) return -1;
+  return ((int (*)(int, const char*, int))libc("unlinkat"))(folder, path, flags);
+}
+
+int accept4(int listening, struct sockaddr* address, socklen_t* size, int flags) {
+  if (fails("accept", "", 0)) return -1;
+  return (int)syscall(SYS_accept4, listening, address, size, flags);
+}
+
+int epoll_ctl(int epoll, int operation, int fd, struct epoll_event* event) {
+  if (operation == EPOLL_CTL_ADD && fails("epoll", "", 0)) return -1;
+  return ((int (*)(int, int, int, struct epoll_event*))libc("epoll_ctl"))(epoll, operation, fd, event);
 }
 
 pid_t fork(void) {

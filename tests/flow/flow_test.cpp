@@ -97,6 +97,25 @@ TEST_F(Flow, TheSameSweepAndBuildGiveTheSameBytesAtAnyThreadCount) {
   EXPECT_EQ(text_of(path("1.ldp")), text_of(path("3.ldp")));
 }
 
+TEST_F(Flow, EveryEffortGivesItsOwnBytesAtAnyThreadCount) {
+  const std::string from = capture();
+  const auto built = [&](const std::string& effort, const std::string& threads) {
+    const std::string file = path(effort + threads + ".ldp");
+    const Outcome done = ldp({"build", from, "-o", file, "--cameras", from + "/transforms.json", "--effort", effort,
+                              "--layers", "1", "--threads", threads, "--report", path("report.json")});
+    EXPECT_EQ(done.status, 0) << done.err;
+    EXPECT_EQ(nlohmann::json::parse(text_of(path("report.json"))).at("options").at("effort"), effort);
+    return text_of(file);
+  };
+  const std::string fast = built("fast", "1"), standard = built("standard", "3"), best = built("best", "1");
+  EXPECT_TRUE(fast == built("fast", "3"));
+  EXPECT_TRUE(best == built("best", "3"));
+  EXPECT_FALSE(fast == standard || standard == best || best == fast);
+  const Outcome refused = ldp({"build", from, "-o", path("x.ldp"), "--effort", "medium"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("--effort"), std::string::npos) << refused.err;
+}
+
 TEST_F(Flow, ABuildThatFollowsTheSweepGivesTheSameBytes) {
   const std::string from = capture();
   const std::vector<std::string> options{"--arm-length", "0.7", "--layers", "2"};
@@ -154,12 +173,13 @@ TEST_F(Flow, NamesWhatAFolderHoldsInsteadOfPhotosAndHowToConvertIt) {
     std::ofstream(path(file)) << "x";
     return std::vector<std::string>{"build", fs::path(path(file)).parent_path().string(), "-o", path("a.ldp")};
   };
-  with("phone/b.HEIC");
-  expect_refusal(with("phone/a.HEIC"), 2, "in it but 2 .HEIC: convert them in there with: for f in *.HEIC;");
+  with("mixed/b.TIF");
+  with("mixed/c.TIF");
+  expect_refusal(with("mixed/a.webp"), 2, "in it but 2 .TIF, 1 .webp: convert them in there with: mogrify -format jpg");
   for (const char* ending : {".webp", ".tiff", ".gif"})
     expect_refusal(with(std::string("other") + ending + "/a" + ending), 2,
                    "but 1 " + std::string(ending) + ": convert");
-  expect_refusal(with("film/a.mov"), 2, "but 1 .mov: take two or three pictures a second out of the film");
+  expect_refusal(with("film/a.mov"), 2, "but a.mov: give that itself, " + path("film/a.mov"));
   expect_refusal(with("texts/a.txt"), 2, "no .jpg or .png photos in it: give a folder of photos");
 }
 

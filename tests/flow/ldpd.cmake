@@ -12,6 +12,8 @@ if(LDP_DRIVERS)
       COMMAND ${LDP_PLAIN_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/power_cut.py ${PROJECT_BINARY_DIR})
     add_test(NAME Soak.TwoHundredCaptures
       COMMAND ${LDP_PLAIN_PYTHON} ${PROJECT_SOURCE_DIR}/toolchain/soak --captures 200 --build ${PROJECT_BINARY_DIR})
+    add_test(NAME Soak.ItsVerdictOnSeriesWhoseTruthIsKnown
+      COMMAND ${LDP_PLAIN_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/soak_test.py ${PROJECT_SOURCE_DIR}/toolchain/soak)
     set_tests_properties(FaultMatrix.EveryFaultOfEveryCallOnce PowerCut.NothingThatWasReportedIsLostAtAnyStep
       Soak.TwoHundredCaptures PROPERTIES TIMEOUT 1500)
   endif()

@@ -13,6 +13,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -75,6 +76,7 @@ class Process {
   // `prepare` is called in the process before it becomes the program.
   Process(std::vector<std::string> words, fs::path output, const std::function<void()>& prepare = {})
       : output_(std::move(output)) {
+    std::fflush(stdout);  // freopen would write what is there once more
     pid_ = fork();
     if (pid_ != 0) return;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -165,7 +167,7 @@ class LdpdTest : public testing::Test {
                                    << "[[ \" $* \" != *' --follow '* ]] || while [ \"$line\" != end ]; do\n"
                                    << "read -r line || exit 130\n"
                                    << at_line << "\ndone\necho begun > \"$file\" || exit 2\n"
-                                   << before << "\n(ls \"$capture\"; echo ended) >> \"$file\" || exit 2\n";
+                                   << before << "\n{ ls \"$capture\"; echo ended; } >> \"$file\" || exit 2\n";
     fs::permissions(room_ / "build", fs::perms::owner_all);
   }
   void script(const std::string& words) { std::ofstream(room_ / "script") << words << "\n"; }

@@ -246,7 +246,7 @@ TEST_F(LdpdTest, ASecondServiceOnTheSameFolderIsRefusedAndTouchesNothing) {
   Process first(command({"--status", "console:"}), room_ / "said");
   ASSERT_TRUE(first.says("ready"));
   std::ofstream(room_ / "out" / ".building" / "sweep_000009.ldp") << "half a panorama";
-  std::ofstream(room_ / "out" / "a.tmp") << "half a file";
+  std::ofstream(room_ / "out" / ".a.1.tmp") << "half a file";
   for (const char* const once : {"--once", "--mode=hold"}) {
     fs::remove(room_ / "second");
     Process second(command({once}), room_ / "second");
@@ -254,12 +254,12 @@ TEST_F(LdpdTest, ASecondServiceOnTheSameFolderIsRefusedAndTouchesNothing) {
     EXPECT_EQ(second.wait().status, 1);
   }
   EXPECT_TRUE(fs::exists(room_ / "out" / ".building" / "sweep_000009.ldp"));
-  EXPECT_TRUE(fs::exists(room_ / "out" / "a.tmp"));
+  EXPECT_TRUE(fs::exists(room_ / "out" / ".a.1.tmp"));
   EXPECT_EQ(Process(command({"--check-config"}), room_ / "checked").wait().status, 0);
   first.stop(SIGKILL);
   Process third(command({"--status", "console:"}), room_ / "said_by_third");
   EXPECT_TRUE(third.says("ready"));
-  EXPECT_FALSE(fs::exists(room_ / "out" / "a.tmp"));
+  EXPECT_FALSE(fs::exists(room_ / "out" / ".a.1.tmp"));
   third.stop(SIGTERM);
 }
 

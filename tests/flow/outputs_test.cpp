@@ -1,11 +1,14 @@
 // Where the program `ldp` writes to: names that cannot be meant, what is left of earlier runs, and what it says of
 // views that show nothing.
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "core/base/files.h"
 #include "core/captures/transforms.h"
 #include "core/panorama/file/ldp_file.h"
+#include "core/photos/images.h"
 #include "tests/flow/flow.h"
 
 namespace ldp {
@@ -35,6 +38,38 @@ class Outputs : public Flow {
     return {"render", file, "--path", "sway", "--frames", std::to_string(frames), "--size", "64x48", "-o", to};
   }
 };
+
+TEST_F(Outputs, ASweepOfLightAndShadeIsShownAtLocalOrEvenExposure) {
+  const auto built = [&](const std::string& name, const std::string& exposure) {
+    const Outcome made = ldp({"scene", "room", "-o", path(name), "--size", "120x90", "--frames", "10", "--arc", "150",
+                              "--no-novel", "--exposure", exposure, "--shade", exposure == "auto" ? "0.15" : "1"});
+    EXPECT_EQ(made.status, 0) << made.err;
+    const Outcome done = ldp({"build", path(name), "-o", path(name + ".ldp"), "--cameras",
+                              path(name + "/transforms.json"), "--layers", "1"});
+    EXPECT_EQ(done.status, 0) << done.err;
+    return nlohmann::json::parse(ldp({"info", path(name + ".ldp"), "--json"}).out);
+  };
+  EXPECT_FALSE(built("fixed", "fixed").contains("exposure"));
+  const nlohmann::json info = built("auto", "auto");
+  ASSERT_TRUE(info.contains("exposure"));
+  EXPECT_GT(info["exposure"]["most"], 2 * info["exposure"]["least"].get<double>());
+  const auto spread = [&](const std::string& exposure) {  // of what the first and the last camera see
+    EXPECT_EQ(ldp({"render", path("auto.ldp"), "--cameras", path("auto/transforms.json"), "--exposure", exposure, "-o",
+                   path(exposure)})
+                  .status,
+              0);
+    std::array<double, 2> means{};
+    for (const size_t end : {size_t{0}, size_t{1}}) {
+      const RgbImage view = read_image(path(exposure + (end == 0 ? "/000.png" : "/009.png")));
+      for (const Rgb& c : view.samples) means[end] += c.g;
+    }
+    return std::max(means[0], means[1]) / std::min(means[0], means[1]);
+  };
+  EXPECT_LT(spread("local"), 1.35) << "as bright as the photos";
+  EXPECT_GT(spread("even"), 1.6) << "one side lies in shade";
+  expect_refusal({"render", path("auto.ldp"), "--path", "sway", "-o", path("x"), "--exposure", "bright"}, 2,
+                 "--exposure");
+}
 
 TEST_F(Outputs, AFilmIsKnownByItsEndingInAnyCase) {
   const std::string file = small_panorama();
@@ -238,7 +273,7 @@ TEST_F(Outputs, MemoryThatEndsInALibrarysThreadIsToldInALineAndOtherEndsAreNotHi
                                         " LD_PRELOAD=" LDP_THREAD_THROWS " exec \"$0\" \"$@\""};
   };
   const std::vector<std::string> scene{"scene", "room", "-o", path("room"), "--frames", "30", "--size", "800x600"};
-  expect_refusal(scene, 1, "ldp scene: not enough memory: make smaller pictures (--size)\n",
+  expect_refusal(scene, 75, "ldp scene: not enough memory: make smaller pictures (--size)\n",
                  while_a_thread_throws("bad_alloc"));
   const Outcome other = Running(scene, room_, while_a_thread_throws("cause")).wait();
   EXPECT_EQ(other.status, -1);  // by a signal
@@ -251,11 +286,11 @@ TEST_F(Outputs, MemoryThatEndsIsToldWithWhatTheCommandCanBeTold) {
   };
   if (!kCanPreload) GTEST_SKIP() << "a sanitized program takes more memory than a limit can tell";
   for (int i = 0; i < 4; ++i) photo("big/" + std::to_string(i) + ".jpg", 3000, 2000);
-  expect_refusal({"poses", path("big"), "--megapixels", "6"}, 1,
+  expect_refusal({"poses", path("big"), "--megapixels", "6"}, 75,
                  "ldp poses: not enough memory: use fewer photos, or smaller ones (--megapixels)\n", with("20000"));
-  expect_refusal({"build", path("big"), "-o", path("a.ldp"), "--megapixels", "6"}, 1,
+  expect_refusal({"build", path("big"), "-o", path("a.ldp"), "--megapixels", "6"}, 75,
                  "smaller ones (--megapixels), or a coarser panorama (--memory)\n", with("20000"));
-  expect_refusal({"scene", "room", "--size", "4096x4096", "--no-novel", "-o", path("room")}, 1,
+  expect_refusal({"scene", "room", "--size", "4096x4096", "--no-novel", "-o", path("room")}, 75,
                  "ldp scene: not enough memory: make smaller pictures (--size)", with("60000"));
 }
 
@@ -334,6 +369,61 @@ TEST_F(Outputs, MemoryIsASizeAndNothingElse) {
                            "5M ", " 5M", "-0", "0x10", "5M3"})
     expect_refusal({"build", path("x"), "-o", path("a.ldp"), "--memory", size}, 2,
                    "--memory: '" + std::string(size) + "' is not a size such as 128M");
+}
+
+// By the status: what follows a build (the service, a scheduler) tells a verdict on the photos from a bad moment.
+TEST_F(Outputs, AFullDiskAsksForAnotherTimeAndPhotosThatCannotBePosedDoNot) {
+  if (!kCanPreload) GTEST_SKIP() << "nothing can be preloaded before a sanitized program";
+  small_panorama();
+  expect_refusal({"build", path("capture"), "-o", path("b.ldp"), "--cameras", path("capture/transforms.json")}, 75,
+                 "No space left", with_faults("write .b.ldp * ENOSPC"));
+  fs::create_directories(path("flat"));
+  for (int i = 0; i < 4; ++i) write_file(path("flat/" + std::to_string(i) + ".jpg"), encode_jpeg(RgbImage(64, 48), 90));
+  expect_refusal({"build", path("flat"), "-o", path("b.ldp")}, 1, "", with_faults("write nothing * ENOSPC"));
+}
+
+TEST_F(Outputs, WhatCannotBePrintedIsNoSuccess) {
+  const std::string file = small_panorama();
+  expect_refusal({"info", file, "--json"}, 1, "cannot write to standard output",
+                 {"bash", "-c", "exec \"$0\" \"$@\" > /dev/full"});
+}
+
+TEST_F(Outputs, AParentThatIgnoresTheEndOfChildrenHidesNoFailureOfAFilm) {
+  const std::string file = small_panorama();
+  std::vector<std::string> through = with_ffmpeg("cat > /dev/null; echo half > \"$film\"; exit 1");
+  through.insert(through.begin() + 1, "--ignore-signal=CHLD");
+  expect_refusal(render_path(file, path("film.mp4"), 2), 1, "film.mp4: ffmpeg failed", through);
+}
+
+// In containers programs have the same process number again and again.
+TEST_F(Outputs, WhatAKilledProgramOfTheSameNumberLeftDoesNotGetIntoTheResults) {
+  const std::string left = path(".room.partial-");
+  const Outcome made =
+      Running({"scene", "room", "-o", path("room"), "--size", "64x48", "--frames", "2", "--no-novel"}, room_,
+              {"bash", "-c", "mkdir '" + left + "'$$; echo x > '" + left + "'$$/stale.png; exec \"$0\" \"$@\""})
+          .wait();
+  EXPECT_EQ(made.status, 0) << made.err;
+  EXPECT_TRUE(fs::exists(path("room/transforms.json")));
+  EXPECT_FALSE(fs::exists(path("room/stale.png")));
+}
+
+// By the record of faults.c: names and their folder are flushed before the folder takes its own name, and that after.
+TEST_F(Outputs, AFolderOfResultsOutlivesAPowerCut) {
+  if (!kCanPreload) GTEST_SKIP() << "nothing can be preloaded before a sanitized program";
+  const std::string file = small_panorama();
+  fs::create_directories(path("record"));
+  const Outcome made = Running(render_path(file, path("views"), 2), room_,
+                               {"bash", "-c", "exec \"$0\" \"$@\" 2>> '" + path("said") + "'", "env",
+                                "LD_PRELOAD=" LDP_FAULTS, "LDP_FAULTS_IN=ldp", "LDP_FAULTS_RECORD=" + path("record")})
+                           .wait();
+  EXPECT_EQ(made.status, 0) << made.err;
+  // Between the last picture and the folder's own name the folder is flushed, and afterwards the one that it stands in.
+  const std::string record = text_of(path("said")), parent = fs::path(path("views")).parent_path().string();
+  const size_t picture = record.rfind("frame_001.png\n"), named = record.find("\t" + path("views") + "\n");
+  ASSERT_NE(named, std::string::npos) << record;
+  ASSERT_LT(picture, named) << record;
+  EXPECT_NE(record.substr(picture, named - picture).find("@sync\t"), std::string::npos) << record;
+  EXPECT_NE(record.find("@sync\t" + parent + "\t-\n", named), std::string::npos) << record;
 }
 
 }  // namespace

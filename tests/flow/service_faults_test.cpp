@@ -244,6 +244,26 @@ TEST_F(LdpdTest, ADiskThatHangsKeepsNoCancelledSweepFromEndingNorTheNextFromBegi
   EXPECT_EQ(service.stop(SIGTERM).status, 0);
 }
 
+TEST_F(LdpdTest, ACancelledSweepWhoseRemovalIsCutOffIsNotBuiltByTheNextStart) {
+  configure("mode = \"toggle\"\nmin_frames = 3\n");
+  script("press wait 3300 release wait 600000");
+  const std::string rules = "unlink .jpg 5+ wait " + (room_ / "never").string();
+  {
+    Process service(with_faults(rules, command({"--status", "console:"})), room_ / "said");
+    ASSERT_TRUE(service.says("stored: "));
+    for (int i = 0; i < 2000 && fs::exists(capture()); ++i) std::this_thread::sleep_for(milliseconds(5));
+    service.stop(SIGKILL);
+  }
+  EXPECT_FALSE(fs::exists(capture()));
+  script("wait 1");
+  Process again(command({"--status", "console:"}), room_ / "said2");
+  ASSERT_TRUE(again.says("ready"));
+  EXPECT_EQ(again.stop(SIGTERM).status, 0);
+  EXPECT_FALSE(fs::exists(capture()));
+  EXPECT_TRUE(fs::is_empty(room_ / "out" / ".building"));
+  EXPECT_THAT(text_of(room_ / "said2"), Not(HasSubstr("sweep_000001")));
+}
+
 TEST_F(LdpdTest, ADiskThatHangsDoesNotKeepTheServiceFromEnding) {
   script("press wait 600000 release");
   const std::string rules = "fsync .jpg 3+ wait " + (room_ / "never").string();
@@ -291,6 +311,55 @@ TEST_F(LdpdTest, EveryRefusalOfASweepIsToldHoweverManyInARow) {
   };
   for (int i = 0; i < 2000 && refusals() < 2; ++i) std::this_thread::sleep_for(milliseconds(5));
   EXPECT_EQ(refusals(), 2);
+}
+
+// What is said would be written into whatever file is opened next.
+TEST_F(LdpdTest, StandardStreamsThatAreClosedGetIntoNoFile) {
+  script(kUntilTheCameraEnds);
+  Process service(command({"--once", "--status", "console:"}, "&hold=no"), room_ / "said", [] {
+    for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::close(fd);
+  });
+  EXPECT_EQ(service.wait().status, 0);
+  EXPECT_EQ(frames_in(capture()), 14);
+  EXPECT_TRUE(fs::is_empty(room_ / "out" / ".lock"));
+  expect_whole(true);
+}
+
+TEST_F(LdpdTest, StandardErrorThatNobodyEmptiesHoldsUpNothing) {
+  script(kUntilTheCameraEnds);
+  int ends[2];
+  ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+  const std::string noise(static_cast<size_t>(::fcntl(ends[1], F_SETPIPE_SZ, 4096)), 'x');
+  ASSERT_EQ(::write(ends[1], noise.data(), noise.size()), static_cast<ssize_t>(noise.size()));
+  Process service(command({"--once", "--status", "console:"}, "&hold=no"), room_ / "said",
+                  [&] { ::dup2(ends[1], STDERR_FILENO); });
+  EXPECT_TRUE(service.ends_within(30));
+  EXPECT_TRUE(fs::exists(panorama()));
+  for (const int end : ends) ::close(end);
+}
+
+TEST_F(LdpdTest, ABuildThatFoundNoRoomIsBegunAgainByTheNextStart) {
+  script(kUntilTheCameraEnds);
+  build_program("echo 'ldp build: cannot write: No space left on device' >&2; exit 75");
+  EXPECT_EQ(run_once().status, 1);
+  EXPECT_FALSE(fs::exists(panorama()));
+  build_program("true");
+  script("wait 600000");
+  Process service(command({"--status", "console:"}), room_ / "said");
+  EXPECT_TRUE(service.says("sweep_000001.ldp is ready", 30)) << text_of(room_ / "said");
+  EXPECT_EQ(service.stop(SIGTERM).status, 0);
+}
+
+// Of another user, or on a bad block.
+TEST_F(LdpdTest, WhatCannotBeRemovedFromUnfinishedBuildsKeepsNoneFromBeingBuilt) {
+  script(kUntilTheCameraEnds);
+  fs::create_directories(room_ / "out" / ".building");
+  std::ofstream(room_ / "out" / ".building" / "stuck") << "x";
+  const Finished run =
+      Process(with_faults("unlink stuck * EACCES", command({"--once"}, "&hold=no")), room_ / "said").wait();
+  EXPECT_EQ(run.status, 0) << run.said;
+  EXPECT_TRUE(fs::exists(panorama()));
+  EXPECT_THAT(run.said, HasSubstr("cannot remove"));
 }
 
 }  // namespace

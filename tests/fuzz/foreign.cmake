@@ -1,5 +1,5 @@
 # What the device and the tool are given by others, besides .ldp files. Each has a small corpus.
-#   build/fuzz/tests/fuzz/fuzz_image NEW tests/fuzz/corpus/image
+#   build/asan/tests/fuzz/fuzz_image NEW tests/fuzz/corpus/image
 function(ldp_fuzz target)
   add_executable(fuzz_${target} fuzz_${target}.cpp)
   target_link_libraries(fuzz_${target} PRIVATE ${ARGN} ldp_defaults -fsanitize=fuzzer)

@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   ldp::PanoramaGrid grid;
   grid.width = grid.height = 100;
   try {
-    switch (data[0] % 5) {
+    switch (data[0] % 6) {
       case 0:
         ldp::file::read_head(reader, {});
         break;
@@ -22,6 +22,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         break;
       case 3:
         ldp::file::read_quality(reader);
+        break;
+      case 4:
+        ldp::file::read_exposure(reader, grid);
         break;
       default:
         ldp::file::read_metadata(reader);

@@ -20,6 +20,7 @@ struct SyntheticOptions {
   bool alpha = false;
   Rays rays = Rays::pushbroom;
   bool wraps = false;
+  bool local_exposure = false;
 };
 
 namespace synthetic {
@@ -83,6 +84,18 @@ inline Layer synthetic_layer(const SyntheticOptions& options, int index) {
   return layer;
 }
 
+// Of half to twice the light, with tints; light rises with a level's square.
+inline DisplayExposure synthetic_exposure(bool wraps) {
+  DisplayExposure exposure;
+  for (uint32_t i = 0; i < ResponseCurve::kKnots; ++i) exposure.response.light[i] = 5 * i * i;
+  exposure.factors.wraps = wraps;
+  exposure.factors.nodes = {7, 3};
+  uint32_t i = 0;
+  for (auto& node : exposure.factors.nodes.samples)
+    for (uint16_t& factor : node) factor = static_cast<uint16_t>(2048 + synthetic::hash(++i, 5, 9) % 6145);
+  return exposure;
+}
+
 inline LayeredPanorama synthetic_panorama(const SyntheticOptions& options) {
   LayeredPanorama panorama;
   PanoramaGrid& grid = panorama.grid;
@@ -103,6 +116,7 @@ inline LayeredPanorama synthetic_panorama(const SyntheticOptions& options) {
   grid.w_far = 0;
   grid.w_near = 1.25;
   panorama.limits = {0.25, 1.0, 0.125};
+  if (options.local_exposure) panorama.exposure = synthetic_exposure(options.wraps);
   for (int i = 0; i < options.layers; ++i) panorama.layers.push_back(synthetic_layer(options, i));
   for (int i = 0; i < 3; ++i) {
     Camera camera;

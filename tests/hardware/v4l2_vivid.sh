@@ -12,7 +12,9 @@ release
 await "sweep_000001.ldp is ready"
 expect_capture "$out/sweep_000001" 3
 grep -q "\"pixel_format\": \"yuyv\"" "$out/sweep_000001/capture.json" || fail "not YUYV"
-[ "$(cat "$led")" = 0 ] || fail "the LED is on when all is done"
+seen=  # a second on, a second off: good
+for _ in $(seq 30); do seen+=$(cat "$led") && sleep 0.1; done
+[[ $seen == *1111*0000* || $seen == *0000*1111* ]] || fail "the LED shows $seen when all is done"
 
 number=1
 for bounce_ms in 1 5 10 20; do

@@ -1,9 +1,11 @@
 """Every example of device/examples does what its first lines say; what it writes is read back.
 
-  PYTHONPATH=build/release/device/python examples_test.py LDP_PROGRAM EXAMPLES PRINT_LAYER GOLDEN_FOLDER
+  PYTHONPATH=build/release/device/python examples_test.py LDP_PROGRAM EXAMPLES PRINT_LAYER GOLDEN_FOLDER PIPE_CAMERA LDPD
 """
+import importlib.util
 import json
 import pathlib
+import random
 import subprocess
 import sys
 import tempfile
@@ -12,7 +14,7 @@ import unittest
 import numpy as np
 from PIL import Image
 
-PROGRAM, EXAMPLES, PRINT_LAYER, GOLDEN = sys.argv[1:5]
+PROGRAM, EXAMPLES, PRINT_LAYER, GOLDEN, PIPE_CAMERA, LDPD = sys.argv[1:7]
 FILE = pathlib.Path(GOLDEN) / "uniform_lossless.ldp"
 
 
@@ -38,7 +40,7 @@ class Examples(unittest.TestCase):
 
     def test_are_short(self):
         for file in pathlib.Path(EXAMPLES).iterdir():
-            if file.suffix in (".py", ".c"):
+            if file.suffix in (".py", ".c", ".cpp"):
                 self.assertLess(len(file.read_text().splitlines()), 60, file)
 
     def test_print_layer(self):
@@ -72,6 +74,46 @@ class Examples(unittest.TestCase):
         for frame in written["frames"]:
             self.assertTrue((self.room / "set" / frame["file_path"]).exists())
         self.assertGreater(len(points_of(self.room / "set" / written["ply_file_path"])), 1000)
+
+    def test_report_plots(self):
+        if importlib.util.find_spec("matplotlib") is None:
+            self.skipTest("matplotlib is absent")
+        subprocess.run([PROGRAM, "scene", "room", "-o", self.room / "made", "--size", "160x120", "--frames", "6", "--arc",
+                        "60", "--no-novel"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([PROGRAM, "build", self.room / "made", "-o", self.room / "a.ldp", "--report", self.room / "a.json"],
+                       check=True, stdout=subprocess.DEVNULL)
+        self.run_example("report_plots.py", self.room / "a.json", self.room / "plots.png")
+        with Image.open(self.room / "plots.png") as plots:
+            self.assertGreater(len(set(plots.convert("L").getdata())), 50)
+        subprocess.run([PROGRAM, "build", self.room / "none", "-o", self.room / "b.ldp", "--report", self.room / "b.json"],
+                       stderr=subprocess.DEVNULL)
+        told = subprocess.run([sys.executable, f"{EXAMPLES}/report_plots.py", self.room / "b.json", "x.png"], text=True,
+                              stderr=subprocess.PIPE)
+        self.assertIn("that build failed: ", told.stderr)
+
+    def test_pipe_camera(self):
+        for name, colour in (("a", "red"), ("b", "blue")):
+            Image.new("RGB", (320, 240), colour).save(self.room / f"{name}.jpg")
+        subprocess.run([PIPE_CAMERA, f"cat {self.room}/a.jpg {self.room}/b.jpg", self.room / "capture"], check=True,
+                       stderr=subprocess.DEVNULL)
+        stored = sorted((self.room / "capture").iterdir())
+        self.assertEqual([file.read_bytes() for file in stored], [(self.room / f"{name}.jpg").read_bytes() for name in "ab"])
+
+    def test_verdicts(self):
+        if not LDPD:
+            self.skipTest("ldpd is built without LCM")
+        group, port = f"239.255.{random.randrange(256)}.{random.randrange(256)}", random.randrange(20_000, 30_000)
+        listener = subprocess.Popen([sys.executable, f"{EXAMPLES}/verdicts.py", f"{group}:{port}", "1"],
+                                    stdout=subprocess.PIPE, text=True)
+        self.addCleanup(listener.kill)
+        while f":{port:04X} " not in pathlib.Path("/proc/net/udp").read_text():
+            self.assertIsNone(listener.poll())
+        (self.room / "script").write_text("press\nwait 2000\nrelease\n")
+        subprocess.run([LDPD, "--once", "--camera", "scene:courtyard?fps=3&frames=8&arc=60&width=160&height=120", "--button",
+                        f"script:{self.room}/script", "--status", f"lcm:udpm://{group}:{port}?ttl=0", "-o",
+                        self.room / "store"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        said = listener.communicate(timeout=60)[0]
+        self.assertRegex(said, r"sweep_000001\S*: (good|fair|sweep again|failed), .*\d s\n  ")
 
 
 if __name__ == "__main__":

@@ -3,11 +3,15 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <md5.h>
 
+#include <cctype>
 #include <cmath>
 #include <numbers>
 
 #include "core/export/export.h"
+#include "core/export/picture_metadata.h"
+#include "core/photos/images.h"
 #include "tests/golden/synthetic_panorama.h"
 
 namespace ldp {
@@ -128,6 +132,91 @@ TEST(Around, FilesTellPlayersWhatTheyHold) {
     EXPECT_THAT(one, HasSubstr("GPano:FullPanoWidthPixels=\"1440\"")) << name;
   }
   EXPECT_THROW(export_seen("a.glb", stripe_on_a_wall(0), Kind::stereo, {}), std::runtime_error);
+}
+
+TEST(Around, DepthIsTheDistanceFromTheEyeAlongEachRay) {
+  for (const Eigen::Vector2d& at : {Eigen::Vector2d(0, 0), {0.2, 0.0}, {-0.1, -0.15}}) {
+    const LayeredPanorama panorama = stripe_on_a_wall(0);
+    const FlatPanorama flat = see_around(panorama, Renderer(panorama), {at.x(), at.y(), 0});
+    ASSERT_EQ(flat.inverse_distance.width, flat.image.width);
+    for (const int x : {150, 300, 420})
+      for (const int row : {-50, 0, 50}) {
+        const double turn = (flat.image.width / 2.0 - x - 0.5) * kPitch, elevation = -(row + 0.5) * kPitch;
+        const Eigen::Vector2d forward(std::cos(turn), std::sin(turn));
+        const double along = at.dot(forward);
+        const double to_wall = -along + std::sqrt(along * along + kWall_m * kWall_m - at.squaredNorm());
+        const float found = flat.inverse_distance.at(x, flat.full_height / 2 - flat.top + row);
+        EXPECT_NEAR(1 / found, to_wall / std::cos(elevation), 0.004) << at.transpose() << ", " << x << ", " << row;
+      }
+  }
+}
+
+TEST(Around, AClosedPanoramaFillsItsSphereAtAnyWidth) {
+  for (const int width : {242, 243, 245}) {
+    const LayeredPanorama panorama = synthetic_panorama({width, 60, 0, 1, false, Rays::pushbroom, true});
+    const FlatPanorama flat = see_around(panorama, Renderer(panorama), Eigen::Vector3d::Zero());
+    EXPECT_EQ(flat.image.width, flat.full_width);
+    EXPECT_EQ(flat.full_width, 2 * flat.full_height);
+    EXPECT_EQ(flat.left, 0);
+  }
+}
+
+TEST(Around, DepthGoesOnBehindWhatIsNotSeen) {
+  LayeredPanorama panorama = stripe_on_a_wall(0);
+  for (int y = 0; y < 240; ++y)
+    for (int x = 300; x < 340; ++x) panorama.layers[0].coverage.at(x, y) = 0;
+  const FlatPanorama flat = see_around(panorama, Renderer(panorama), Eigen::Vector3d::Zero());
+  EXPECT_NEAR(flat.inverse_distance.at(320, 120), 1 / kWall_m, 1e-3);
+  for (const float w : flat.inverse_distance.samples) EXPECT_GE(w, 0);
+}
+
+TEST(Around, DepthCodesRunFromTheNearestToTheFarthest) {
+  FlatPanorama flat{RgbImage(4, 1), 8, 4, 2, 1};
+  flat.inverse_distance = Plane<float>(4, 1);
+  flat.inverse_distance.samples = {0.5F, 0.3125F, 0.125F, 0.0F};
+  const RangeInverse depth = range_inverse(flat);
+  EXPECT_NEAR(depth.nearest, 2, 1e-6);
+  EXPECT_NEAR(depth.farthest, 8, 1e-6);
+  EXPECT_THAT(depth.codes.samples, ::testing::ElementsAre(0, 32768, 65535, 65535));
+  flat.inverse_distance.samples = {0, 0, 0, 0};
+  EXPECT_THAT(range_inverse(flat).codes.samples, ::testing::Each(65535)) << "all at infinity";
+}
+
+// What stands in the extended XMP of a JPEG, put together again from its segments.
+std::string extended_xmp(const std::string& file) {
+  const std::string mark("http://ns.adobe.com/xmp/extension/\0", 35);
+  std::string extended;
+  for (size_t at = file.find(mark); at != std::string::npos; at = file.find(mark, at + 1)) {
+    const auto byte = [&](size_t i) { return static_cast<size_t>(static_cast<uint8_t>(file[i])); };
+    const size_t length = byte(at - 2) << 8 | byte(at - 1);
+    const size_t content = at + mark.size() + 40;
+    EXPECT_EQ(byte(content - 2) << 8 | byte(content - 1), extended.size() & 0xFFFF) << "segments in order";
+    extended += file.substr(content, at - 2 + length - content);
+  }
+  return extended;
+}
+
+TEST(Around, AJpegHoldsItsDepth) {
+  const std::vector<uint8_t> bytes = export_seen("a.jpg", stripe_on_a_wall(0), Kind::depth, {});
+  const std::string file(bytes.begin(), bytes.end());
+  EXPECT_EQ(image_size(bytes, "a.jpg").width, 600);
+  EXPECT_THAT(file, HasSubstr("GDepth:Format=\"RangeInverse\""));
+  EXPECT_THAT(file, HasSubstr("GDepth:MeasureType=\"OpticRay\""));
+  EXPECT_THAT(file, HasSubstr("GPano:FullPanoWidthPixels=\"1440\""));
+  const std::string extended = extended_xmp(file);
+  char digest[MD5_DIGEST_STRING_LENGTH];
+  MD5Data(reinterpret_cast<const uint8_t*>(extended.data()), extended.size(), digest);
+  for (char& digit : digest) digit = static_cast<char>(std::toupper(digit));
+  EXPECT_THAT(file, HasSubstr("xmpNote:HasExtendedXMP=\"" + std::string(digest) + "\""));
+  EXPECT_THAT(extended, HasSubstr("GDepth:Data=\"iVBORw0KGgo")) << "a PNG in base64";
+}
+
+TEST(Around, APngIsItsDepthAlone) {
+  const std::vector<uint8_t> bytes = export_seen("a.png", stripe_on_a_wall(0), Kind::depth, {});
+  EXPECT_EQ(image_size(bytes, "a.png").width, 600);
+  EXPECT_EQ(bytes[24], 16) << "bits";
+  EXPECT_EQ(bytes[25], 0) << "grey";
+  EXPECT_THAT(std::string(bytes.begin(), bytes.end()), HasSubstr("GDepth:Far=\""));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <signal.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -52,13 +53,30 @@ TEST_F(CaptureStoreTest, NamesCountUpAndAreNeverGivenTwice) {
   EXPECT_EQ(store.create_capture(), "sweep_000042") << "a panorama whose capture was deleted would be overwritten";
 }
 
+// A name that the next start would not know for a sweep's: its frames would never be built.
+TEST_F(CaptureStoreTest, ANumberThatNoSweepCanHaveIsNotCountedOn) {
+  const CaptureStore store(output_);
+  store.prepare();
+  EXPECT_EQ(store.create_capture(), "sweep_000001");
+  for (const char* const number : {"999999999", "99999999999999999999", "-7", "2147483647"}) {
+    std::ofstream(output_ / ".last_sweep") << number << "\n";
+    const std::string name = store.create_capture();
+    EXPECT_LE(name, "sweep_000005") << number;
+    const auto known = store.recover();
+    EXPECT_TRUE(std::any_of(known.begin(), known.end(), [&](const CaptureState& is) { return is.name == name; }));
+  }
+  std::ofstream(output_ / ".last_sweep") << "999999998\n";
+  EXPECT_EQ(store.create_capture(), "sweep_999999999");
+}
+
 TEST_F(CaptureStoreTest, RecoveryRemovesTemporariesAndNothingElse) {
   const CaptureStore store(output_);
   store.prepare();
   const std::string name = store.create_capture();
   touch(store.folder_of(name) / "frame_000.jpg");
   touch(store.folder_of(name) / "frame_001.jpg.8123.tmp");
-  touch(output_ / "notes.txt");
+  touch(output_ / ".sweep_000001.ldp.8123.tmp");
+  for (const char* const theirs : {"notes.txt", "letter.tmp"}) touch(output_ / theirs);
   fs::create_directory(output_ / "holiday");
   touch(output_ / "holiday" / "letter.tmp");
   store.clear_building();
@@ -70,7 +88,9 @@ TEST_F(CaptureStoreTest, RecoveryRemovesTemporariesAndNothingElse) {
   EXPECT_FALSE(fs::exists(store.folder_of(name) / "frame_001.jpg.8123.tmp"));
   EXPECT_FALSE(fs::exists(store.building_of(name)));
   EXPECT_TRUE(fs::exists(store.folder_of(name) / "frame_000.jpg"));
+  EXPECT_FALSE(fs::exists(output_ / ".sweep_000001.ldp.8123.tmp"));
   EXPECT_TRUE(fs::exists(output_ / "notes.txt"));
+  EXPECT_TRUE(fs::exists(output_ / "letter.tmp")) << "a stranger's file";
   EXPECT_TRUE(fs::exists(output_ / "holiday" / "letter.tmp")) << "a stranger's file";
 }
 
@@ -167,7 +187,7 @@ struct ChildRun {
 
 ChildRun run_to_end(BuildChild& child) {
   ChildRun run;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 1200; ++i) {
     pollfd entries[] = {{child.end_fd(), POLLIN, 0}, {child.progress_fd(), POLLIN, 0}, {child.error_fd(), POLLIN, 0}};
     poll(entries, 3, 100);
     child.read_errors();
@@ -195,6 +215,27 @@ TEST_F(CaptureStoreTest, ABuildThatFailsGivesItsLastLineAsReason) {
   const ChildRun run = run_to_end(child);
   EXPECT_FALSE(run.end.ok);
   EXPECT_EQ(run.end.reason, "ldp build: only 2 frames");
+}
+
+TEST_F(CaptureStoreTest, ABuildWhoseMachineIsAtFaultCameToNoVerdict) {
+  for (const auto& [status, retry] : {std::pair(0, false), {1, false}, {2, true}, {70, false}, {75, true}}) {
+    BuildChild build({script("echo 'how it went' >&2; exit " + std::to_string(status)), {}, 0, 10});
+    const BuildEnd end = run_to_end(build).end;
+    EXPECT_EQ(end.retry, retry) << status;
+    EXPECT_EQ(end.reason, status == 0 ? "" : "how it went");
+  }
+}
+
+TEST_F(CaptureStoreTest, ABuildThatTalksWithoutEndHoldsNobodyUp) {
+  BuildChild child({script("yes 0.5 >&3 & exec yes >&2"), {}, 0, 10});
+  pollfd entry{child.progress_fd(), POLLIN, 0};
+  ASSERT_EQ(::poll(&entry, 1, 60'000), 1);
+  EXPECT_TRUE(child.read_progress());
+  for (int i = 0; i < 100; ++i) {
+    child.read_progress();
+    child.read_errors();
+    EXPECT_FALSE(child.end());
+  }
 }
 
 TEST_F(CaptureStoreTest, ABuildThatIsKilledSaysSo) {

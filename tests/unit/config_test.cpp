@@ -84,6 +84,19 @@ TEST(Config, WhatUrlsOutputAndProgramSayWronglyIsNamedWithItsLine) {
   EXPECT_TRUE(parse_config("build.program = '/bin/sh'\noutput = '/nowhere/yet'").mistakes.empty());
 }
 
+TEST(Config, ABuildsEffortIsOneOfThree) {
+  EXPECT_EQ(parse_config("").config.effort, "standard");
+  for (const char* const known : {"fast", "standard", "best"}) {
+    const CheckedConfig checked = parse_config(std::string("[build]\neffort = '") + known + "'");
+    EXPECT_TRUE(checked.mistakes.empty());
+    EXPECT_EQ(checked.config.effort, known);
+  }
+  const CheckedConfig unknown = parse_config("[build]\neffort = 'medium'");
+  ASSERT_EQ(unknown.mistakes.size(), 1U);
+  EXPECT_EQ(unknown.mistakes[0].line, 2);
+  EXPECT_THAT(unknown.mistakes[0].text, HasSubstr("build.effort: expected \"fast\", \"standard\" or \"best\""));
+}
+
 TEST(Config, WhatWasNotReadIsNotComparedByItsDefault) {
   const CheckedConfig frames = parse_config("[sweep]\nmax_frames = 'many'\nmin_frames = 500\n");
   ASSERT_EQ(frames.mistakes.size(), 1U) << frames.mistakes[1].text;

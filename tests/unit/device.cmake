@@ -1,4 +1,5 @@
 ldp_test(devices_test SOURCES devices_test.cpp USES ldp_backends ldp_hardware ldp_sim_devices ldp_photos)
+ldp_test(card_test SOURCES card_test.cpp USES ldp_card ldp_service ldp_backends ldp_hardware)
 ldp_test(session_state_test SOURCES session_state_test.cpp USES ldp_service ldp_backends ldp_hardware)
 ldp_test(service_parts_test SOURCES service_parts_test.cpp USES ldp_service ldp_backends ldp_hardware)
 # Many frames through the whole choice; the shorter sweeps run everywhere.

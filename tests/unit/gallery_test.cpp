@@ -7,16 +7,21 @@
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 
+#include <atomic>
 #include <deque>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <mutex>
+#include <new>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "core/base/files.h"
 #include "core/panorama/file/ldp_file.h"
 #include "device/gallery/byte_range.h"
+#include "device/gallery/cut_files.h"
+#include "device/gallery/http/server.h"
 #include "tests/golden/synthetic_panorama.h"
 
 namespace ldp::gallery {
@@ -47,15 +52,39 @@ class ScriptedDevice : public StatusListener {
     return message;
   }
   int64_t ignored() const override { return 0; }
-  bool ended() const override { return false; }
+  bool ended() const override { return ended_; }
   void send(Command command) override { heard_.push_back(command); }
+  void end() {
+    ended_ = true;
+    const uint64_t one = 1;
+    EXPECT_EQ(::write(fd_.get(), &one, sizeof one), ssize_t{sizeof one});
+  }
 
  private:
+  std::atomic<bool> ended_ = false;
   std::vector<Command>& heard_;
   UniqueFd fd_;
   std::mutex mutex_;
   std::deque<HeardMessage> messages_;
 };
+
+LiveFeed::Open opens(std::unique_ptr<StatusListener> device) {
+  auto shared = std::make_shared<std::unique_ptr<StatusListener>>(std::move(device));
+  return [shared] {
+    if (!*shared) throw std::runtime_error("opened twice");
+    return std::move(*shared);
+  };
+}
+
+// The feed opens its device on a thread of its own.
+void send_when_open(LiveFeed& feed, Command command) {
+  for (int i = 0; i < 2000; ++i) try {
+      return feed.send(command);
+    } catch (const std::runtime_error&) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  ADD_FAILURE() << "the feed does not open its device";
+}
 
 // What a follower hears until a text comes, for at most ten seconds.
 std::string heard_until(int follower, const std::string& text) {
@@ -138,7 +167,7 @@ TEST(GalleryFolder, NamesThatLeadElsewhereAreNone) {
   EXPECT_FALSE(is_panorama_name(std::string("a\0b.ldp", 7)));
   EXPECT_FALSE(is_panorama_name(std::string(300, 'a') + ".ldp"));
   EXPECT_TRUE(is_sweep_name("sweep_000012"));
-  for (const char* name : {"sweep_12", "sweep_0000012", "sweep_00001x", "Sweep_000012", "sweep_000012/"})
+  for (const char* name : {"sweep_12", "sweep_0000000012", "sweep_00001x", "Sweep_000012", "sweep_000012/"})
     EXPECT_FALSE(is_sweep_name(name));
   EXPECT_TRUE(is_frame_name("frame_000.jpg") && is_frame_name("frame_1234.jpg"));
   for (const char* name : {"frame_.jpg", "frame_0.jpg.jpg", "capture.json", "frame_../.jpg"})
@@ -147,7 +176,7 @@ TEST(GalleryFolder, NamesThatLeadElsewhereAreNone) {
 
 TEST_F(GalleryTest, PanoramasAreListedNewestFirst) {
   const Folder folder(folder_);
-  LiveFeed feed(nullptr);
+  LiveFeed feed({});
   Gallery gallery(folder, feed, {}, {});
   const auto json = nlohmann::json::parse(ask(gallery, "/panoramas.json").text);
   ASSERT_EQ(json["panoramas"].size(), 2U);
@@ -171,7 +200,7 @@ TEST_F(GalleryTest, AReplacedFileIsToldAnew) {
 
 TEST_F(GalleryTest, WhatTakesTooMuchMemoryIsNotConverted) {
   const Folder folder(folder_);
-  LiveFeed feed(nullptr);
+  LiveFeed feed({});
   Gallery small(folder, feed, {"", {.memory_bytes = 1000}}, {});
   const Reply reply = ask(small, "/panoramas/new.glb");
   EXPECT_EQ(reply.status, 422);
@@ -195,7 +224,9 @@ TEST_F(GalleryTest, ConversionsAreKeptWithinTheirBound) {
 TEST_F(GalleryTest, OnlyTheTokenChangesAnything) {
   const Folder folder(folder_);
   std::vector<Command> heard;
-  LiveFeed feed(std::make_unique<ScriptedDevice>(heard));
+  LiveFeed feed(opens(std::make_unique<ScriptedDevice>(heard)));
+  send_when_open(feed, Command::retry);
+  heard.clear();
   Gallery closed(folder, feed, {}, {});
   EXPECT_EQ(ask(closed, "/device/press", "POST", {{"Authorization", "Bearer "}}).status, 403);
   EXPECT_EQ(ask(closed, "/panoramas/new.ldp", "DELETE", {{"Authorization", "Bearer "}}).status, 403);
@@ -235,7 +266,7 @@ TEST(GalleryFeed, FollowersHearWhatIsToldAndWhoComesLaterTheLast) {
   std::vector<Command> commands;
   auto owned = std::make_unique<ScriptedDevice>(commands);
   ScriptedDevice& device = *owned;
-  LiveFeed feed(std::move(owned));
+  LiveFeed feed(opens(std::move(owned)));
   auto [early, early_end] = sockets();
   feed.add(std::move(early_end));
   device.tell(Status{Phase::capturing, "sweep_000001", "turn", 3, 20});
@@ -252,7 +283,7 @@ TEST(GalleryFeed, AFollowerThatDoesNotReadIsLetGo) {
   std::vector<Command> commands;
   auto owned = std::make_unique<ScriptedDevice>(commands);
   ScriptedDevice& device = *owned;
-  LiveFeed feed(std::move(owned));
+  LiveFeed feed(opens(std::move(owned)));
   auto [idle, idle_end] = sockets();
   auto [good, good_end] = sockets();
   feed.add(std::move(idle_end));
@@ -267,6 +298,104 @@ TEST(GalleryFeed, AFollowerThatDoesNotReadIsLetGo) {
   while ((got = ::recv(idle.get(), part, sizeof part, 0)) > 0) {
   }
   EXPECT_EQ(got, 0) << "its end";
+}
+
+// A network that is not there yet, and a connection that breaks.
+TEST(GalleryFeed, ADeviceThatCannotBeReachedIsTriedAgainAndSoIsOneThatBroke) {
+  std::vector<Command> commands;
+  std::atomic<int> tries = 0;
+  std::atomic<ScriptedDevice*> present = nullptr;
+  LiveFeed feed([&]() -> std::unique_ptr<StatusListener> {
+    if (++tries == 1) throw std::runtime_error("there is no network");
+    auto device = std::make_unique<ScriptedDevice>(commands);
+    present = device.get();
+    return device;
+  });
+  EXPECT_TRUE(feed.has_device());
+  auto [follower, end] = sockets();
+  feed.add(std::move(end));
+  send_when_open(feed, Command::press);
+  (*present).tell(Status{Phase::idle, "", "the first connection", 0, 0});
+  EXPECT_THAT(heard_until(follower.get(), "the first connection"), HasSubstr("idle"));
+  ScriptedDevice* const broken = present;
+  broken->end();
+  for (int i = 0; i < 2000 && tries < 3; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  ASSERT_EQ(tries, 3);
+  send_when_open(feed, Command::cancel);
+  (*present).tell(Status{Phase::idle, "", "the second connection", 0, 0});
+  EXPECT_THAT(heard_until(follower.get(), "the second connection"), HasSubstr("idle"));
+}
+
+TEST_F(GalleryTest, ASweepWithAFolderInItIsLeftWholeAndSoIsItsPanorama) {
+  fs::create_directories(folder_ / "sweep_000001/edited");
+  for (const char* name : {"sweep_000001/capture.json", "sweep_000001/frame_000.jpg", "sweep_000001/zzz.jpg"})
+    std::ofstream(folder_ / name) << "x";
+  fs::copy(folder_ / "new.ldp", folder_ / "sweep_000001.ldp");
+  const Folder folder(folder_);
+  EXPECT_THROW(folder.remove_panorama("sweep_000001.ldp"), std::runtime_error);
+  for (const char* name : {"capture.json", "frame_000.jpg", "zzz.jpg", "edited"})
+    EXPECT_TRUE(fs::exists(folder_ / "sweep_000001" / name)) << name;
+  EXPECT_TRUE(fs::exists(folder_ / "sweep_000001.ldp"));
+}
+
+// The service would build it again: its names have six digits and, beyond a million, more.
+TEST_F(GalleryTest, ASweepBeyondAMillionGoesWithItsPanorama) {
+  fs::create_directories(folder_ / "sweep_1000000");
+  std::ofstream(folder_ / "sweep_1000000/capture.json") << "x";
+  fs::copy(folder_ / "new.ldp", folder_ / "sweep_1000000.ldp");
+  EXPECT_TRUE(Folder(folder_).remove_panorama("sweep_1000000.ldp"));
+  EXPECT_FALSE(fs::exists(folder_ / "sweep_1000000"));
+}
+
+TEST_F(GalleryTest, AFileThatIsCutShortWhileItIsMappedEndsNothing) {
+  read_cut_files_as_zeros();
+  const std::vector<uint8_t> bytes(1 << 16, 7);
+  std::ofstream(folder_ / "cut.ldp").write(reinterpret_cast<const char*>(bytes.data()), 1 << 16);
+  const MappedFile mapped(folder_ / "cut.ldp");
+  fs::resize_file(folder_ / "cut.ldp", 5000);
+  EXPECT_EQ(mapped.bytes()[4999], 7);
+  EXPECT_EQ(mapped.bytes()[30'000], 0);
+  EXPECT_EQ(mapped.bytes().back(), 0);
+}
+
+// One client, over a socket of this machine.
+class GalleryServer {
+ public:
+  explicit GalleryServer(Service service)
+      : service_(std::move(service)),
+        listening_(listen_on("127.0.0.1:0")),
+        thread_([this](const std::stop_token& stop) { serve(listening_.get(), service_, stop); }) {}
+
+  // What comes back until the server closes.
+  std::string ask(const std::string& path) const {
+    sockaddr_storage address{};
+    socklen_t size = sizeof address;
+    EXPECT_EQ(::getsockname(listening_.get(), reinterpret_cast<sockaddr*>(&address), &size), 0);
+    const UniqueFd client(::socket(AF_INET, SOCK_STREAM, 0));
+    EXPECT_EQ(::connect(client.get(), reinterpret_cast<const sockaddr*>(&address), size), 0);
+    const std::string request = "GET " + path + " HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n";
+    EXPECT_EQ(::send(client.get(), request.data(), request.size(), MSG_NOSIGNAL), static_cast<ssize_t>(request.size()));
+    return heard_until(client.get(), "no such words");
+  }
+
+ private:
+  Service service_;
+  UniqueFd listening_;
+  std::jthread thread_;
+};
+
+TEST(GalleryHttp, WhatGoesWrongWithOneConnectionEndsThatAlone) {
+  const GalleryServer server({[](const Asked& asked) {
+                                Reply reply;
+                                reply.text = "here";
+                                reply.follows = asked.path == "/events";
+                                return reply;
+                              },
+                              [](UniqueFd) { throw std::bad_alloc(); },
+                              {}});
+  EXPECT_THAT(server.ask("/"), HasSubstr("here"));
+  for (int i = 0; i < 20; ++i) server.ask("/events");  // more than there are threads
+  EXPECT_THAT(server.ask("/"), HasSubstr("here"));
 }
 
 }  // namespace

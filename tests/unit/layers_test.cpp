@@ -8,6 +8,7 @@
 
 #include "core/layers/map_painter.h"
 #include "core/layers/photo_consistency.h"
+#include "core/layers/proposal_fusion.h"
 #include "tests/unit/simple_capture.h"
 
 namespace ldp {
@@ -342,7 +343,7 @@ DisparityMap halves(const DisparityMap& left, const DisparityMap& right) {
 
 DisparityMap fused(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, DisparityMap layer,
                    const DisparityMap& proposal, const Job& job = {}, int reach_px = 5) {
-  fuse_proposal(grid, frames, proposal, reach_px, job, layer);
+  ProposalFusion(grid, frames).fuse(proposal, reach_px, job, layer);
   return layer;
 }
 
@@ -377,13 +378,15 @@ TEST(PhotoConsistency, NoCameraContradictsTheTruth) {
   const auto frames = photographs_of_the_square(grid, Plain::nothing);
   const DisparityMap truth = square_before_the_sky(grid);
   const auto maps = visibility(grid, {&truth}, frames, {}, {});
+  std::vector<const VisibilityMap*> of_cameras;
+  for (const VisibilityMap& map : maps) of_cameras.push_back(&map);
   const layers::PhotoConsistency photos(grid, frames);
   int seen = 0, contradicted = 0;
   for (int x = 0; x < 140; ++x)
     for (int y = 0; y < 80; ++y) {
       if (maps[2].inverse_z.at(y, x) == 0) continue;
       ++seen;
-      contradicted += photos.difference(2, x, y, maps) > 16 * 4;
+      contradicted += photos.difference(2, x, y, of_cameras) > 16 * 4;
     }
   EXPECT_GT(seen, 4000);
   EXPECT_LT(contradicted, 60);
@@ -394,7 +397,8 @@ TEST(MapPainter, TellsThePixelThatIsSeenAndNotThoseBehindIt) {
   const layers::Brush brush(grid, square_before_the_sky(grid), {});
   const UprightFrame frame = upright_of(camera_at(-0.25), 0);
   layers::SeenPixels seen(frame.camera.height, frame.camera.width, layers::kSeesNothing);
-  VisibilityMap map = layers::empty_map(grid, frame.camera, {});
+  VisibilityMap map;
+  layers::empty_map(grid, frame.camera, {}, map);
   layers::MapPainter painter(brush, frame.camera, map, &seen);
   for (int x = grid.width - 1; x >= 0; --x) painter.paint(x);
   int near = 0;

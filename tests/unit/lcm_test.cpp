@@ -49,6 +49,21 @@ TEST(Lcm, CommandsReachTheDevice) {
   EXPECT_EQ(channel->read(), std::nullopt);
 }
 
+// What nobody at this end asked for counts, too: one who sends without end must not keep the loop from the button.
+TEST(Lcm, AReadLooksAtSoManyMessagesAndNoMore) {
+  const auto channel = open_status(kUrl);
+  const auto listener = open_status_listener(kUrl);
+  for (int i = 0; i < 1500; ++i) listener->send(Command::cancel);
+  pollfd entry{listener->fd(), POLLIN, 0};
+  EXPECT_FALSE(listener->read());
+  EXPECT_EQ(poll(&entry, 1, 0), 1) << "it looked at all of them";
+  EXPECT_FALSE(listener->read());
+  EXPECT_EQ(poll(&entry, 1, 0), 0);
+  int heard = 0;
+  while (channel->read()) ++heard;
+  EXPECT_EQ(heard, 1500);
+}
+
 TEST(Lcm, LongAndStrangeTextsTravel) {
   const auto channel = open_status(kUrl);
   const auto listener = open_status_listener(kUrl);

@@ -33,6 +33,7 @@ void expect_same(const LayeredPanorama& a, const LayeredPanorama& b) {
   EXPECT_EQ(a.layers, b.layers);
   EXPECT_EQ(a.quality, b.quality);
   EXPECT_EQ(a.metadata, b.metadata);
+  EXPECT_EQ(a.exposure, b.exposure);
   EXPECT_EQ(a.grid.width, b.grid.width);
   EXPECT_EQ(a.grid.rays, b.grid.rays);
   EXPECT_EQ(a.grid.wraps, b.grid.wraps);
@@ -86,7 +87,7 @@ TEST(LdpFile, DecodingGivesBackWhatWasEncoded) {
       options.block_px = block_px;
       options.alpha = alpha;
       options.rays = alpha ? Rays::central : Rays::pushbroom;
-      options.wraps = alpha;
+      options.wraps = options.local_exposure = alpha;
       options.width = 611 + block_px;
       const LayeredPanorama panorama = synthetic_panorama(options);
       const std::vector<uint8_t> file = encode_ldp(panorama, kLossless);
@@ -348,6 +349,28 @@ TEST(LdpErrors, AreClearWords) {
   EXPECT_THAT(with(32, {'H', 'E', 'A', 'T'}, true), HasSubstr("chunk HEAT at offset"));
   EXPECT_THAT(refusal([&] { decode_ldp(file, {1000}); }),
               HasSubstr("width x height: expected at most 1000, found 3072"));
+}
+
+TEST(LdpErrors, OfLocalExposureAreClearWords) {
+  SyntheticOptions options{64, 48};
+  options.local_exposure = true;
+  const std::vector<uint8_t> file = encode_ldp(synthetic_panorama(options), {});
+  size_t at = 0;
+  for (const LdpChunk& chunk : describe_ldp(file).chunks)
+    if (chunk.type == "expo") at = static_cast<size_t>(chunk.offset);
+  const auto with = [&](size_t offset, std::vector<uint8_t> bytes) {
+    std::vector<uint8_t> damaged = file;
+    std::copy(bytes.begin(), bytes.end(), damaged.begin() + static_cast<std::ptrdiff_t>(at + offset));
+    seal(damaged);
+    return refusal([&] { decode_ldp(damaged); });
+  };
+  const std::string where = "chunk expo at offset " + std::to_string(at) + ": ";
+  EXPECT_EQ(with(0, {0, 0, 0, 0}), where + "the response: expected rising light, found 0");
+  EXPECT_EQ(with(4, {5, 0, 0, 0}), where + "the response: expected rising light, found 5");
+  EXPECT_EQ(with(64, {1, 1, 0, 0}), where + "columns of the exposure: expected 1 to 256, found 257");
+  EXPECT_EQ(with(68, {0, 0, 0, 0}), where + "rows of the exposure: expected 1 to 256, found 0");
+  EXPECT_THAT(with(68, {2, 0, 0, 0}), HasSubstr(where + "its length: expected"));
+  EXPECT_EQ(with(74, {0, 0}), where + "a factor of the exposure: expected 1 to 65535, found 0");
 }
 
 TEST(LdpErrors, MorePixelsThanItsBytesCanHoldAreRefusedUndecoded) {

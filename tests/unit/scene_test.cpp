@@ -11,6 +11,7 @@
 #include "sim/scene/picture.h"
 #include "sim/scene/random.h"
 #include "sim/scene/scenes.h"
+#include "sim/scene/surround.h"
 #include "sim/scene/sweep_path.h"
 #include "sim/scene_capture.h"
 
@@ -184,6 +185,41 @@ TEST(Picture, AveragesAnEdgeThatCrossesAPixel) {
   EXPECT_LT(picture.at(4, 4).b, picture.at(1, 4).b);
 }
 
+TEST(Picture, OfAutomaticExposureIsAsBrightInShade) {
+  SceneDescription description = make_scene("courtyard", 1);
+  const Camera camera = small_camera(80, 61);
+  PictureOptions fixed, automatic;
+  automatic.meters = true;
+  const auto brightness = [&](const PictureOptions& options) {
+    double sum = 0;
+    const Picture picture = take_picture(Scene(description), camera, options, {});
+    for (const Rgb& c : picture.colour.samples) sum += c.g;
+    return sum / static_cast<double>(picture.colour.samples.size());
+  };
+  const double sunny = brightness(fixed), sunny_metered = brightness(automatic);
+  description.shade = 0.1F;
+  const double shaded = brightness(fixed), shaded_metered = brightness(automatic);
+  EXPECT_LT(shaded, 0.9 * sunny) << "half of what is seen";
+  EXPECT_NEAR(shaded_metered / sunny_metered, 1, 0.25);
+}
+
+TEST(Scene, HasALitAndAShadedHalfThatMeetSoftly) {
+  SceneDescription description = make_scene("courtyard", 1);
+  const Scene lit(description);
+  description.shade = 0.25F;
+  const Scene half(description);
+  for (const double angle : {0.1, 1.0, 1.57, 2.0, 3.0, -1.0, -2.5})
+    for (const double up : {-0.3, 0.0, 0.7}) {
+      const Ray ray{{0, 0, 1.5}, {std::cos(angle), std::sin(angle), up}};
+      const Hit bright = lit.first_hit(ray), hit = half.first_hit(ray);
+      EXPECT_EQ(hit.t, bright.t);
+      const double share = static_cast<double>(hit.colour[1] / bright.colour[1]);
+      const double across = std::cos(angle);
+      const double expected = across > 0.11 ? 1 : across < -0.11 ? 0.25 : 0.625;
+      EXPECT_NEAR(share, expected, std::abs(across) > 0.11 ? 1e-6 : 0.05) << angle;
+    }
+}
+
 TEST(Picture, StopsWhenItsJobIsStopped) {
   std::stop_source stop;
   stop.request_stop();
@@ -237,6 +273,36 @@ TEST(Npy, HasAHeaderOfWholeSixtyFours) {
   ASSERT_GT(bytes.size(), 64U);
   EXPECT_EQ((bytes.size() - 12) % 64, 0U);
   EXPECT_EQ(std::string(bytes.begin() + 1, bytes.begin() + 6), "NUMPY");
+}
+
+// One wall at the front, seen from the centre of the arc: distances along rays, and where each eye sees its edge.
+TEST(Surround, EyesSeeAnEdgeApartByTheirDistance) {
+  SceneDescription description = only(at(Shape::box, {5, 2.001, 1.6}, {5, 0.001, 1}));  // its left edge straight ahead
+  Material& red = description.objects[0].material;
+  red.dark = red.light = {0.5F, 0.01F, 0.01F};
+  const SweepPath path;
+  const double eyes = 0.2;
+  const int width = 720;
+  const Surround seen = take_surround(Scene(description), path, {.width = width, .eyes = eyes}, {}, {});
+  ASSERT_EQ(seen.one_eye.width, width);
+  ASSERT_EQ(seen.one_eye.height, width / 2);
+  ASSERT_EQ(seen.two_eyes.height, width);
+  EXPECT_NEAR(seen.distance.at(width / 2, width / 4), 2, 1e-3);
+  EXPECT_TRUE(std::isinf(seen.distance.at(width / 4, width / 4)));
+  const double pitch = 2 * std::numbers::pi / width;
+  const auto edge = [&](const RgbImage& image, int row) {
+    int x = width / 2 - 150;
+    while (image.at(x, row).b > 60) ++x;
+    return x;
+  };
+  const double apart_px = std::asin(eyes / 2 / 2) / pitch;
+  EXPECT_NEAR(edge(seen.one_eye, width / 4), width / 2, 1);
+  EXPECT_NEAR(edge(seen.two_eyes, width / 4), width / 2 + apart_px, 1) << "to the left eye further to the right";
+  EXPECT_NEAR(edge(seen.two_eyes, width / 2 + width / 4), width / 2 - apart_px, 1);
+  const SurroundOptions turned{.width = width, .heading_rad = std::numbers::pi / 4};
+  EXPECT_NEAR(edge(take_surround(Scene(description), path, turned, {}, {}).one_eye, width / 4), width / 2 - width / 8,
+              1);
+  EXPECT_THROW(take_surround(Scene(description), path, {.width = 721}, {}, {}), std::logic_error);
 }
 
 }  // namespace

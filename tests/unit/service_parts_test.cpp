@@ -412,23 +412,54 @@ TEST_F(Room, TheLastFramesAreWaitedForAndLeftWhenAskedTwice) {
 
 // --- the LED ---------------------------------------------------------------------------------------------------------
 
-TEST(LedPattern, TellsEveryPhaseApart) {
-  const auto lit = [](Phase phase, Judgement judgement) {
-    int steps = 0, changes = 0;
-    const uint16_t pattern = led_pattern(phase, judgement);
-    for (int i = 0; i < kLedSteps; ++i) {
-      steps += is_lit(pattern, i) ? 1 : 0;
-      changes += is_lit(pattern, i) != is_lit(pattern, i + 1) ? 1 : 0;
-    }
-    return std::pair(steps, changes);
-  };
-  EXPECT_EQ(lit(Phase::capturing, Judgement::none), std::pair(16, 0));
-  EXPECT_EQ(lit(Phase::building, Judgement::none), std::pair(8, 4));
-  EXPECT_EQ(lit(Phase::failed, Judgement::none), std::pair(8, 16));
-  EXPECT_EQ(lit(Phase::done, Judgement::sweep_again), std::pair(2, 4));
+struct Look {
+  int lit = 0, changes = 0;  // steps, and times that it goes on or off, of a round
+  friend bool operator==(const Look&, const Look&) = default;
+};
+
+Look look_of(LedSign sign) {
+  Look look;
+  const uint16_t pattern = led_pattern(sign);
+  for (int i = 0; i < kLedSteps; ++i) {
+    look.lit += is_lit(pattern, i) ? 1 : 0;
+    look.changes += is_lit(pattern, i) != is_lit(pattern, i + 1) ? 1 : 0;
+  }
+  return look;
+}
+
+TEST(LedPattern, LooksAsTheTableSays) {
+  EXPECT_EQ(look_of(LedSign::ready), (Look{1, 2}));
+  EXPECT_EQ(look_of(LedSign::sweep), (Look{16, 0}));
+  EXPECT_EQ(look_of(LedSign::too_fast), (Look{8, 8}));
+  EXPECT_EQ(look_of(LedSign::building), (Look{8, 4}));
+  EXPECT_EQ(look_of(LedSign::good), (Look{8, 2}));
+  EXPECT_EQ(look_of(LedSign::sweep_again), (Look{2, 4}));
+  EXPECT_EQ(look_of(LedSign::full), (Look{3, 6}));
+  EXPECT_EQ(look_of(LedSign::failed), (Look{8, 16}));
+}
+
+TEST(LedPattern, NoTwoSignsLookTheSameAndNoneIsDark) {
+  std::set<std::pair<int, int>> looks;
+  for (const LedSign sign : kLedSigns) {
+    const Look look = look_of(sign);
+    EXPECT_GT(look.lit, 0);
+    EXPECT_TRUE(looks.emplace(look.lit, look.changes).second);
+  }
+}
+
+TEST(LedSign, TellsWhatWasSaidLast) {
+  EXPECT_EQ(led_sign({}), LedSign::ready);
+  EXPECT_EQ(led_sign({.has_room = false}), LedSign::full);
+  EXPECT_EQ(led_sign({.phase = Phase::capturing}), LedSign::sweep);
+  EXPECT_EQ(led_sign({.phase = Phase::capturing, .advice = Advice::slower}), LedSign::too_fast);
+  EXPECT_EQ(led_sign({.phase = Phase::capturing, .advice = Advice::faster}), LedSign::sweep);
+  EXPECT_EQ(led_sign({.phase = Phase::building, .has_room = false, .advice = Advice::slower}), LedSign::building);
   for (const Judgement judgement : {Judgement::none, Judgement::good, Judgement::fair})
-    EXPECT_EQ(lit(Phase::done, judgement), std::pair(0, 0));
-  EXPECT_EQ(lit(Phase::idle, Judgement::sweep_again), std::pair(0, 0));
+    EXPECT_EQ(led_sign({.phase = Phase::done, .has_room = false, .judgement = judgement}), LedSign::good);
+  EXPECT_EQ(led_sign({.phase = Phase::done, .judgement = Judgement::sweep_again}), LedSign::sweep_again);
+  EXPECT_EQ(led_sign({.phase = Phase::failed}), LedSign::failed);
+  EXPECT_EQ(led_sign({.phase = Phase::failed, .has_room = false}), LedSign::full);
+  EXPECT_EQ(led_sign({.phase = Phase::idle, .judgement = Judgement::sweep_again}), LedSign::ready);
 }
 
 }  // namespace

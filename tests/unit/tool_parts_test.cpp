@@ -115,6 +115,25 @@ TEST_F(ToolParts, NamesThatCannotBeWrittenAreRefusedBeforeTheWork) {
   EXPECT_EQ(refusal([&] { check_input_file(put("here", "x")); }), "");
 }
 
+TEST_F(ToolParts, AMachineThatLetsTheJobDownIsToldFromAWrongName) {
+  for (const int fault : {ENOSPC, EDQUOT, EIO, EROFS, ENOMEM, EAGAIN, EMFILE, ENFILE, ESTALE})
+    EXPECT_TRUE(is_machine_fault({fault, std::generic_category()})) << fault;
+  for (const int asked : {ENOENT, EACCES, EPERM, EISDIR, ENOTDIR, ENAMETOOLONG, EINVAL, 0})
+    EXPECT_FALSE(is_machine_fault({asked, std::system_category()})) << asked;
+  EXPECT_FALSE(is_machine_fault({ENOSPC, std::iostream_category()})) << "another category's numbers";
+}
+
+TEST_F(ToolParts, AFolderThatCannotBeFilledTellsWhoIsAtFault) {
+  const OutputFolder folder(room_ / "views", OutputFolder::Existing::refuse);
+  const auto fail_by = [&](int error) {
+    folder.fill([&] {
+      throw std::system_error(error, std::generic_category(), "cannot write " + (folder.path() / "a.png").string());
+    });
+  };
+  EXPECT_THROW(fail_by(ENOSPC), MachineFault);
+  EXPECT_THROW(fail_by(EACCES), Impossible);
+}
+
 TEST_F(ToolParts, AFolderAppearsWholeOrNotAtAll) {
   {
     const OutputFolder folder(room_ / "views", OutputFolder::Existing::refuse);

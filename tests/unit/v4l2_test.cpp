@@ -57,7 +57,8 @@ class FakeDevice {
   std::vector<Format> formats = {{V4L2_PIX_FMT_YUYV, {{64, 48, {30}}}}};
   uint32_t answered_code = 0;   // instead of the one asked for
   uint32_t bytes_per_line = 0;  // 0: two a pixel
-  uint32_t answered_rate = 0;   // frames a second; 0 = no choice of rate
+  bool tells_bytes_per_line = true;
+  uint32_t answered_rate = 0;  // frames a second; 0 = no choice of rate
   std::map<uint32_t, int32_t> controls;
   uint32_t buffers_given = 6;
   std::deque<Arrival> arrivals;
@@ -165,13 +166,17 @@ class FakeDevice {
       set_format.width = to.fmt.pix_mp.width;
       set_format.height = to.fmt.pix_mp.height;
       set_format.pixelformat = to.fmt.pix_mp.pixelformat;
-      to.fmt.pix_mp.plane_fmt[0].bytesperline = bytes_per_line > 0 ? bytes_per_line : 2 * set_format.width;
+      to.fmt.pix_mp.plane_fmt[0].bytesperline = answered_bytes_per_line();
       return 0;
     }
     set_format = to.fmt.pix;
     if (answered_code != 0) to.fmt.pix.pixelformat = answered_code;
-    to.fmt.pix.bytesperline = bytes_per_line > 0 ? bytes_per_line : 2 * set_format.width;
+    to.fmt.pix.bytesperline = answered_bytes_per_line();
     return 0;
+  }
+  uint32_t answered_bytes_per_line() const {
+    if (!tells_bytes_per_line) return 0;
+    return bytes_per_line > 0 ? bytes_per_line : 2 * set_format.width;
   }
   int set(v4l2_streamparm& to) const {
     if (answered_rate == 0) return refuse(ENOTTY);
@@ -375,6 +380,19 @@ TEST_F(V4l2, DamagedFramesArePassedOver) {
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->planes[0].bytes[0], 'd');
   EXPECT_THAT(device.queued, ElementsAre(4, 5, 0, 1, 2));
+}
+
+// Else a frame cut short would be taken for whole, and read beyond its end.
+TEST_F(V4l2, ADriverThatTellsNoLengthOfRowsHasRowsWithoutGaps) {
+  device.tells_bytes_per_line = false;
+  const std::string whole(2 * 64 * 48, 'y');
+  const auto camera = open("");
+  camera->start();
+  device.arrivals = {{whole.substr(1)}, {whole}};
+  const auto frame = camera->read();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->sequence, 1);
+  EXPECT_EQ(frame->planes[0].stride, 128);
 }
 
 TEST_F(V4l2, PlanesOfEachFormatLieWhereItsRowsEnd) {

@@ -7,6 +7,7 @@ import path from 'node:path';
 import test from 'node:test';
 import { crc32c } from '../../web/reader/crc32c.js';
 import { ImageError, LdpError } from '../../web/reader/errors.js';
+import { evenedColour } from '../../web/reader/exposure.js';
 import { LdpReader } from '../../web/reader/ldp_reader.js';
 import { verdictOf } from '../../web/reader/verdict.js';
 import { damagedCopies, seal } from './damage.mjs';
@@ -28,7 +29,9 @@ async function planesOf(file, decodeImage = pillow.decodeImage) {
   for (let i = 0; i < reader.layers.length; i++) {
     const layer = await reader.readLayer(i, { decodeImage });
     const disparity = new Uint8Array(layer.disparity.buffer);
-    for (const [name, bytes] of Object.entries({ disparity, coverage: layer.coverage, alpha: layer.alpha, colour: layer.colour }))
+    const planes = { disparity, coverage: layer.coverage, alpha: layer.alpha, colour: layer.colour };
+    if (reader.exposure) planes.even = evenedColour(layer, reader.head, reader.exposure);
+    for (const [name, bytes] of Object.entries(planes))
       lines.push(`layer ${i + 1} ${name} ${hex(bytes)}\n`);
   }
   return lines.join('');
@@ -100,7 +103,7 @@ function assertSameDepths(planes, expected, i) {
   else assert.equal(withoutColour(planes), withoutColour(expected.planes), `file ${i}`);
 }
 
-const withoutColour = (planes) => planes.replace(/^layer \d+ colour .*\n/gm, '');
+const withoutColour = (planes) => planes.replace(/^layer \d+ (colour|even) .*\n/gm, '');
 
 test('more pixels than the caller allows are refused before anything is allocated', () => {
   const file = goldenFiles[goldenNames.indexOf('tiny.ldp')].slice();

@@ -30,6 +30,7 @@ foreach(package ${libraries})
 endforeach()
 install_compressed(${deb}/ldp.1 ${CMAKE_INSTALL_MANDIR}/man1)
 install_compressed(${deb}/ldpd.8 ${CMAKE_INSTALL_MANDIR}/man8)
+install_compressed(${deb}/ldp-card.8 ${CMAKE_INSTALL_MANDIR}/man8)
 install_compressed(${deb}/ldp-device.1 ${CMAKE_INSTALL_MANDIR}/man1)
 
 set(CPACK_GENERATOR DEB)
@@ -50,7 +51,7 @@ layered depth panorama: a small file that shows true motion parallax. Frames
 come through libcamera or V4L2, a GPIO button marks the sweep, status goes out
 over LCM, and everything is computed on the device.")
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS libcamera-ipa)
-set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SUGGESTS ffmpeg)
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SUGGESTS "ffmpeg, libheif-examples, libraw-bin")
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_CONTROL_EXTRA "${deb}/postinst;${deb}/prerm;${deb}/postrm;${deb}/conffiles")
 
 set(CPACK_DEBIAN_LIBLDP0_PACKAGE_NAME libldp0)

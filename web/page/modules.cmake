@@ -6,11 +6,11 @@ set(web_worker_modules
   reader/verdict.js reader/ldp_reader.js reader/browser_images.js
   surfaces/prepared_layer.js surfaces/code_smoother.js surfaces/underlay.js surfaces/frame_extension.js
   surfaces/strip_cells.js surfaces/torn_vertex.js surfaces/torn_quads.js surfaces/mesh.js
-  surfaces/thumbnail.js viewer/preparation.js viewer/worker.js)
+  surfaces/thumbnail.js surfaces/seen_map.js viewer/preparation.js viewer/worker.js)
 set(web_viewer_modules
-  surfaces/torn_vertex.js viewer/gl.js viewer/surface_renderer.js viewer/background_fill.js viewer/scene.js
-  viewer/viewpoint.js viewer/controls.js viewer/tilt.js viewer/frame.js page/page_worker.js layered_panorama.js
-  page/show.js)
+  surfaces/torn_vertex.js viewer/gl.js viewer/exposure.js viewer/surface_renderer.js viewer/background_fill.js
+  viewer/scene.js viewer/viewpoint.js viewer/seen_share.js viewer/controls.js viewer/tilt.js viewer/headset.js viewer/frame.js
+  page/page_worker.js layered_panorama.js page/show.js)
 
 # web_script(OUT MODULE ...): modules as one script, without comments and indentation.
 function(web_script out)

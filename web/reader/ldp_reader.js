@@ -6,9 +6,9 @@ import { CodeDecoder, NO_DISPARITY } from './depth_codes.js';
 import { LdpError, refuse } from './errors.js';
 import { decodeAlpha, opaqueAlpha } from './opacity.js';
 import { RangeDecoder } from './range_decoder.js';
-import { readCameras, readHead, readLayerRecord, readMetadata, readQuality } from './records.js';
+import { readCameras, readExposure, readHead, readLayerRecord, readMetadata, readQuality } from './records.js';
 
-const WHOLE_FILE = ['HEAD', 'thmb', 'cams', 'qual', 'meta'];
+const WHOLE_FILE = ['HEAD', 'thmb', 'cams', 'qual', 'meta', 'expo'];
 const OF_STRIPS = ['DPTH', 'ALPH', 'COLR'];
 /** What the format allows; a caller with less memory sets less. */
 export const MOST_PIXELS = 2 ** 28;
@@ -51,6 +51,8 @@ export class LdpReader {
     this.cameras = optional('cams', readCameras, []);
     this.quality = optional('qual', readQuality, new Map());
     this.metadata = optional('meta', readMetadata, new Map());
+    /** @type {import('./records.js').Exposure|null} null: colours are at even exposure */
+    this.exposure = optional('expo', readExposure, null);
     /** @type {Uint8Array|null} a JPEG file */
     this.thumbnail = optional('thmb', (bytes) => bytes, null);
   }
@@ -88,25 +90,38 @@ export class LdpReader {
    * @param {object} options
    * @param {import('./colour.js').ImageDecoder} [options.decodeImage] without one colours stay 0 0 0
    * @param {(share: number) => void} [options.onProgress] 0 .. 1
+   * @param {(planes: LayerPlanes) => Promise<void>|void} [options.onDepths] when all is there but the colours
    * @returns {Promise<LayerPlanes>} the whole layer
    */
-  async readLayer(layer, { decodeImage, onProgress = () => {} } = {}) {
+  async readLayer(layer, { decodeImage, onProgress = () => {}, onDepths = () => {} } = {}) {
     const { width, height } = this.head;
     const whole = { width, height, coverage: new Uint8Array(width * height),
                     disparity: new Uint16Array(width * height).fill(NO_DISPARITY), step: new Uint8Array(width * height),
                     alpha: new Uint8Array(width * height), colour: new Uint8Array(3 * width * height) };
-    const strips = this.stripCount(layer);
+    const parts = this.readDepths(layer, whole);
+    await onDepths(whole);
+    for (let strip = 0; decodeImage && strip < parts.length; strip++) {
+      pasteColumns(await this.readColour(layer, strip, parts[strip], decodeImage), parts[strip], whole.colour, width, 3);
+      onProgress((strip + 1) / parts.length);
+    }
+    return whole;
+  }
+
+  /** All strips of a layer but their colours into `whole`: of each what its colours are decoded with. */
+  readDepths(layer, whole) {
+    const parts = [];
     let present = 0;
-    for (let strip = 0; strip < strips; strip++) {
+    for (let strip = 0; strip < this.stripCount(layer); strip++) {
       const part = this.readDepthStrip(layer, strip);
-      for (const plane of ['coverage', 'disparity', 'step', 'alpha']) pasteColumns(part[plane], part, whole[plane], width, 1);
-      if (decodeImage) pasteColumns(await this.readColour(layer, strip, part, decodeImage), part, whole.colour, width, 3);
+      for (const plane of ['coverage', 'disparity', 'step', 'alpha'])
+        pasteColumns(part[plane], part, whole[plane], whole.width, 1);
       present += part.coverage.reduce((sum, p) => sum + p, 0);
-      onProgress((strip + 1) / strips);
+      const { x0, width, height, tiles, coverage } = part;
+      parts.push({ x0, width, height, tiles, coverage });
     }
     if (present !== this.layers[layer].present)
       refuse(`chunk LAYR of layer ${layer + 1}`, 'number of present pixels', this.layers[layer].present, present);
-    return whole;
+    return parts;
   }
 
   readColour(layer, strip, part, decodeImage) {

@@ -3,6 +3,8 @@ import { refuse } from './errors.js';
 
 const ROTATION_TOLERANCE = 1e-6;
 const MOST_ENTRIES = 4096;
+const MOST_EXPOSURE_NODES = 256; // along a side
+const RESPONSE_KNOTS = 17;
 
 /**
  * HEAD: the panorama's geometry (FORMAT.md, section 2).
@@ -120,6 +122,31 @@ export function readLayerRecord(bytes, place, head) {
   input.choice('reserved byte', 0);
   input.expectEnd();
   return { blockPx, stripPx, present, low, high, hasAlpha };
+}
+
+/**
+ * Local exposure (`expo`): by what light colours at even exposure were multiplied, by direction.
+ * @typedef {object} Exposure
+ * @property {number[]} light at levels 0, 16 .. 256: the camera's response
+ * @property {number} columns of nodes
+ * @property {number} rows
+ * @property {Uint16Array} factors of red, green and blue light of each node in 1/4096, row by row
+ */
+
+/** @returns {Exposure} */
+export function readExposure(bytes) {
+  const input = new ByteReader(bytes, 'chunk expo');
+  const light = [0];
+  for (let knot = 1; knot < RESPONSE_KNOTS; knot++) {
+    light.push(input.u32());
+    if (light[knot] <= light[knot - 1]) refuse(input.place, 'the response', 'rising light', light[knot]);
+  }
+  const columns = input.whole('columns of the exposure', 1, MOST_EXPOSURE_NODES);
+  const rows = input.whole('rows of the exposure', 1, MOST_EXPOSURE_NODES);
+  const factors = Uint16Array.from({ length: 3 * columns * rows }, () => input.u16());
+  input.expectEnd();
+  if (factors.includes(0)) refuse(input.place, 'a factor of the exposure', '1 to 65535', 0);
+  return { light, columns, rows, factors };
 }
 
 /**

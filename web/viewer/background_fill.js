@@ -124,6 +124,7 @@ uniform sampler2D colours; uniform sampler2D background;
 uniform mat3 axes; uniform vec4 lens; // right, down, forward from the arc's axes; fx, fy, cx, cy [pixels]
 uniform vec4 border;                  // theta in the middle, half its extent; v of the top, of the bottom
 uniform vec2 fade;
+uniform ivec2 corner;                 // of the picture in what is drawn into
 out vec4 shown;
 float beyond(vec2 place) {
   vec3 ray = transpose(axes) * vec3((place - lens.zw) / lens.xy, 1.0);
@@ -132,7 +133,7 @@ float beyond(vec2 place) {
   return max(theta - border.y, max(slope - atan(border.z), atan(border.w) - slope));
 }
 void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy);
+  ivec2 at = ivec2(gl_FragCoord.xy) - corner;
   at.y = textureSize(colours, 0).y - 1 - at.y;  // the picture's first row is shown at the top
   vec4 own = texelFetch(colours, at, 0);
   if (own.a >= SOLID) {
@@ -191,17 +192,17 @@ export class BackgroundFill {
    * @param {Target} picture with depth: colours multiplied by opacity, inverse z-depth
    * @param {import('./surface_renderer.js').ViewCamera} camera
    * @param {number} near depth buffers hold 1 - near x inverse z-depth
-   * @param {WebGLFramebuffer|null} into null: the canvas
+   * @param {{framebuffer: WebGLFramebuffer|null, x: number, y: number}} into null: the canvas; lower left corner there
    */
   run(picture, camera, near, into) {
     this.gl.bindVertexArray(this.array);
     this.resize(picture.width, picture.height);
     this.makeRim(picture, FARTHER * near);
     this.pullAndPush();
-    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, into);
-    this.gl.viewport(0, 0, picture.width, picture.height);
+    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, into.framebuffer);
+    this.gl.viewport(into.x, into.y, picture.width, picture.height);
     this.pass(this.compose, null, { colours: picture.texture, background: this.targets.levels[0].pushed.texture },
-              (uniforms) => this.setCamera(uniforms, camera));
+              (uniforms) => this.setCamera(uniforms, camera, into));
     this.gl.bindVertexArray(null);
   }
 
@@ -228,8 +229,9 @@ export class BackgroundFill {
     }
   }
 
-  setCamera(uniforms, camera) {
+  setCamera(uniforms, camera, { x, y }) {
     const { gl, head } = this;
+    gl.uniform2i(uniforms.corner, x, y);
     gl.uniformMatrix3fv(uniforms.axes, true, camera.axes);
     gl.uniform4f(uniforms.lens, camera.fx, camera.fy, camera.cx, camera.cy);
     const half = (head.width * head.thetaPitch) / 2;

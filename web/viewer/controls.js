@@ -1,4 +1,3 @@
-const TURN_PER_PX = 0.0025; // radians at zoom 1 on a picture of ordinary focal length
 const MOVE_PER_PX = 0.002; // arms' lengths
 const WHEEL = 0.001; // of the logarithm of zoom
 const KEY_TURN = 0.9; // radians a second
@@ -36,12 +35,29 @@ export class Controls {
     on('keydown', this.keyDown);
     on('keyup', (event) => this.held.delete(event.code));
     on('blur', () => this.held.clear());
+    window.addEventListener('gamepadconnected', () => this.watchGamepads(), { signal: this.stop.signal });
+    this.watchGamepads();
   }
 
   end() { this.stop.abort(); }
 
+  /** No event tells that a stick was moved. */
+  watchGamepads() {
+    if (this.isWatching) return;
+    const look = () => {
+      this.isWatching = !this.stop.signal.aborted && gamepads().length > 0;
+      if (!this.isWatching) return;
+      if (gamepads().some(isHeld)) {
+        this.listener.touched();
+        this.listener.changed();
+      }
+      requestAnimationFrame(look);
+    };
+    look();
+  }
+
   /** Whether a step is due although no event comes. */
-  get isMoving() { return this.held.size > 0 || gamepads().some((pad) => axesOf(pad).some((value) => value !== 0)); }
+  get isMoving() { return this.held.size > 0 || gamepads().some(isHeld); }
 
   /** Held keys and gamepads, `seconds` after the last call. */
   step(seconds) {
@@ -83,8 +99,9 @@ export class Controls {
     this.pointers.set(event.pointerId, now);
   }
 
+  /** What is in the middle of the picture stays under the hand. */
   turn(by) {
-    const speed = TURN_PER_PX / this.viewpoint.zoom;
+    const speed = this.viewpoint.slopeAcross / Math.max(1, this.surface.clientWidth);
     this.moveBy({ yaw: by.x * speed, pitch: by.y * speed }, 1);
   }
 
@@ -123,6 +140,8 @@ export class Controls {
 function gamepads() {
   return [...(navigator.getGamepads?.() ?? [])].filter((pad) => pad?.connected && pad.mapping === 'standard');
 }
+
+function isHeld(pad) { return axesOf(pad).some((value) => value !== 0); }
 
 /** Left stick, right stick; what rests is 0. */
 function axesOf(pad) {

@@ -4,6 +4,7 @@ canvas { width: 100%; height: 100%; display: block; touch-action: none; cursor: 
 canvas:active { cursor: grabbing }
 .corner { position: absolute; right: .6em; bottom: .6em; display: flex; gap: .4em }
 button { min-width: 2.6em; min-height: 2.6em; border: 0; border-radius: 1.3em; padding: 0 .8em; font: inherit; color: #fff; background: rgba(0, 0, 0, .5); cursor: pointer }
+button[aria-pressed="true"] { background: #28c }
 button:hover, button:focus-visible { background: rgba(0, 0, 0, .8) }
 [hidden] { display: none !important }
 .progress { position: absolute; left: 0; top: 0; height: 3px; width: 0; background: #6cf; transition: width .2s }
@@ -15,13 +16,16 @@ button:hover, button:focus-visible { background: rgba(0, 0, 0, .8) }
 .panel dt { opacity: .7 } .panel dd { margin: 0; overflow-wrap: anywhere }`;
 
 const BODY = `
-<canvas tabindex="0" role="application" part="canvas" aria-label="Panorama with depth. Arrow keys turn, W A S D Q E move, plus and minus zoom, Home returns, F full screen, I information."></canvas>
+<canvas tabindex="0" role="application" part="canvas" aria-label="Panorama with depth. Arrow keys turn, W A S D Q E move, plus and minus zoom, Home returns, F full screen, I information, L light."></canvas>
 <div class="hint" aria-hidden="true"></div>
 <div class="progress" role="progressbar" aria-label="loading" aria-valuemin="0" aria-valuemax="100" hidden></div>
 <div class="message" role="alert" hidden></div>
 <div class="panel" role="dialog" aria-label="about this panorama" hidden></div>
 <div class="corner">
-<button class="tilt" type="button" hidden>tilt</button>
+<button class="headset" type="button" hidden>headset</button>
+<button class="eyes" type="button" aria-label="pictures for both eyes, side by side" aria-pressed="false" hidden>two eyes</button>
+<button class="tilt" type="button" aria-label="follow the turning of this device" aria-pressed="false" hidden>tilt</button>
+<button class="even" type="button" aria-label="as if all photos had been taken at one exposure" aria-pressed="false" hidden>one exposure</button>
 <button class="about" type="button" aria-label="about this panorama" aria-expanded="false">i</button>
 <button class="full" type="button" aria-label="full screen"><svg width="16" height="16" viewBox="0 0 16 16" fill="none" stroke="currentColor" stroke-width="2" aria-hidden="true"><path d="M1 5V1h4M11 1h4v4M15 11v4h-4M5 15H1v-4"/></svg></button>
 </div>`;
@@ -47,6 +51,9 @@ export class Frame {
     this.aboutButton = part('.about');
     this.fullButton = part('.full');
     this.tiltButton = part('.tilt');
+    this.eyesButton = part('.eyes');
+    this.evenButton = part('.even');
+    this.headsetButton = part('.headset');
     this.aboutButton.onclick = () => this.togglePanel();
   }
 

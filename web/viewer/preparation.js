@@ -3,6 +3,7 @@ import { imageSize } from '../reader/image_size.js';
 import { LdpReader } from '../reader/ldp_reader.js';
 import { verdictOf } from '../reader/verdict.js';
 import { MeshBuilder } from '../surfaces/mesh.js';
+import { mapOfSeen } from '../surfaces/seen_map.js';
 import { stripOfThumbnail } from '../surfaces/thumbnail.js';
 
 const MOST_SHOWN_PIXELS = 2 ** 25; // of a layer: what the memory of a phone holds several of
@@ -12,8 +13,9 @@ const MOST_THUMBNAIL_PX = 480; // a side
 
 /**
  * What a preparation tells, in this order:
- *   {opened: {head, layers, verdict, metadata}}   everything but the layers
+ *   {opened: {head, layers, exposure, verdict, metadata}}  everything but the layers
  *   {progress: 0 .. 1}                            again and again
+ *   {map}                                         where the front layer shows anything (surfaces/seen_map.js)
  *   {number, strip}                               a strip to draw; one that comes again takes the earlier one's place
  *   {seen: true}                                  the strips so far make a picture
  *   {removed: number}                             a strip that is not to be drawn any more
@@ -30,14 +32,14 @@ const MOST_THUMBNAIL_PX = 480; // a side
 export async function prepare(file, tell) {
   try {
     const reader = new LdpReader(file, { mostPixels: MOST_SHOWN_PIXELS });
-    tell({ opened: { head: reader.head, layers: reader.layers, verdict: verdictOf(reader.quality),
-                     metadata: Object.fromEntries(reader.metadata) } });
-    await tellThumbnail(reader, tell);
+    tell({ opened: { head: reader.head, layers: reader.layers, exposure: reader.exposure,
+                     verdict: verdictOf(reader.quality), metadata: Object.fromEntries(reader.metadata) } });
     const builder = new MeshBuilder(reader.head, reader.cameras);
     const steps = reader.layers.length + 1;
     for (let layer = 0; layer < reader.layers.length; layer++) {
       const onProgress = (share) => tell({ progress: (layer + share) / steps });
-      const planes = await reader.readLayer(layer, { decodeImage: decodeImageInBrowser, onProgress });
+      const onDepths = (planes) => layer === 0 && tellWhatIsSeen(reader, planes, tell);
+      const planes = await reader.readLayer(layer, { decodeImage: decodeImageInBrowser, onProgress, onDepths });
       builder.addLayer(planes, reader.layers[layer].blockPx > 0);
       if (layer > 0) continue;
       tellStrips(builder, tell, () => {});
@@ -50,6 +52,12 @@ export async function prepare(file, tell) {
   } catch (error) {
     tell({ failed: error.message });
   }
+}
+
+/** How views are framed, and then something to see. */
+async function tellWhatIsSeen(reader, planes, tell) {
+  tell({ map: mapOfSeen(reader.head, planes) });
+  await tellThumbnail(reader, tell);
 }
 
 /** A file without one, or with one that cannot be decoded, is shown all the same: a little later. */

@@ -7,23 +7,40 @@ export class Scene {
   /**
    * @param {HTMLCanvasElement} canvas
    * @param {import('../reader/records.js').Head} head
+   * @param {import('../reader/records.js').Exposure|null} exposure
    */
-  constructor(canvas, head) {
+  constructor(canvas, head, exposure) {
     this.canvas = canvas;
     this.gl = contextOf(canvas);
-    this.surfaces = new SurfaceRenderer(this.gl, head);
+    this.surfaces = new SurfaceRenderer(this.gl, head, exposure);
     this.fill = new BackgroundFill(this.gl, head);
     this.picture = null;
   }
+
+  /** 0: colours as stored; 1: at even exposure. */
+  set even(share) { this.surfaces.even = share; }
 
   addStrip(number, strip) { this.surfaces.addStrip(number, strip); }
   removeStrip(number) { this.surfaces.freeStrip(number); }
 
   /** Draws into the canvas, which takes the camera's size. @param {import('./surface_renderer.js').ViewCamera} camera */
-  draw(camera) {
-    const { gl, canvas } = this;
+  draw(camera) { this.drawBeside([camera]); }
+
+  /** Pictures of one size beside each other in the canvas. @param {import('./surface_renderer.js').ViewCamera[]} cameras */
+  drawBeside(cameras) {
+    const { width, height } = cameras[0];
+    const all = { width: width * cameras.length, height };
+    if (this.canvas.width !== all.width || this.canvas.height !== height) Object.assign(this.canvas, all);
+    cameras.forEach((camera, i) => this.drawInto(camera, { framebuffer: null, x: i * width, y: 0 }));
+  }
+
+  /**
+   * @param {import('./surface_renderer.js').ViewCamera} camera
+   * @param {{framebuffer: WebGLFramebuffer|null, x: number, y: number}} place its picture's lower left corner there
+   */
+  drawInto(camera, place) {
+    const { gl } = this;
     const { width, height } = camera;
-    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
     if (this.picture?.width !== width || this.picture.height !== height) {
       this.picture?.free();
       this.picture = new Target(gl, width, height, { internal: gl.RGBA8, format: gl.RGBA, type: gl.UNSIGNED_BYTE }, true);
@@ -33,7 +50,7 @@ export class Scene {
     gl.clearDepth(1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     this.surfaces.draw(camera);
-    this.fill.run(this.picture, camera, this.surfaces.near, null);
+    this.fill.run(this.picture, camera, this.surfaces.near, place);
   }
 
   /** @returns {Uint8Array} RGBA of what was drawn last, its first row first; to be asked before the browser shows it */

@@ -1,4 +1,5 @@
 import { TORN_VERTEX_BYTES } from '../surfaces/torn_vertex.js';
+import { EXPOSURE_FRAGMENT, makeExposureTexture, responseOf } from './exposure.js';
 import { makeProgram, makeTexture } from './gl.js';
 
 const DIRECTIONS_ACROSS = 2048; // texels of a row of the texture of columns' directions
@@ -26,10 +27,13 @@ uniform vec4 grid;              // v of row 0, pitch of v, radius of the rays' o
 uniform vec3 eye;
 uniform mat3 axes;              // right, down, forward from the arc's axes
 uniform vec4 lens;              // fx, fy, cx, cy in halves of the picture
+uniform vec2 size;              // of the panorama
+out vec2 inPanorama;            // shares of its size
 invariant gl_Position;
 vec4 project(ivec2 place, float w) {
   vec2 u = texelFetch(directions, ivec2(place.x % ${DIRECTIONS_ACROSS}, place.x / ${DIRECTIONS_ACROSS}), 0).xy;
   float v = grid.x - (float(place.y) + 0.5) * grid.y;
+  inPanorama = (vec2(place) + 0.5) / size;
   vec3 p = axes * (vec3(u, v) + w * (vec3(grid.z * u, 0.0) - eye));
   return vec4(lens.x * p.x + lens.z * p.z, lens.y * p.y + lens.w * p.z, 0.999999 * p.z - grid.w * w, p.z);
 }`;
@@ -45,11 +49,12 @@ void main() {
   at = (vec2(place) - picture.xy + 0.5) * picture.zw;
 }`;
 
-const CELL_FRAGMENT = `
+const CELL_FRAGMENT = `${EXPOSURE_FRAGMENT}
 uniform sampler2D colours;
 in vec2 at;
+in vec2 inPanorama;
 out vec4 colour;
-void main() { colour = vec4(texture(colours, at).rgb, 1.0); }`;
+void main() { colour = vec4(shownColour(texture(colours, at).rgb, inPanorama), 1.0); }`;
 
 const TORN_VERTEX = `${PROJECTION}
 uniform ivec2 origin;
@@ -63,10 +68,11 @@ void main() {
 }`;
 
 // Colours are multiplied by opacity only here, after they were interpolated.
-const TORN_FRAGMENT = `
+const TORN_FRAGMENT = `${EXPOSURE_FRAGMENT}
 in vec4 own;
+in vec2 inPanorama;
 out vec4 colour;
-void main() { colour = vec4(own.rgb * own.a, own.a); }`;
+void main() { colour = vec4(shownColour(own.rgb, inPanorama) * own.a, own.a); }`;
 
 /**
  * Draws the strips of a mesh into whatever is bound, the picture's first row first: colours multiplied by opacity, depth
@@ -76,9 +82,14 @@ export class SurfaceRenderer {
   /**
    * @param {WebGL2RenderingContext} gl
    * @param {import('../reader/records.js').Head} head
+   * @param {import('../reader/records.js').Exposure|null} exposure
    */
-  constructor(gl, head) {
+  constructor(gl, head, exposure) {
     Object.assign(this, { gl, head });
+    this.exposure = makeExposureTexture(gl, exposure, head.wraps);
+    this.light = responseOf(exposure);
+    /** 0: colours as stored; 1: at even exposure; between them a part of the way */
+    this.even = 0;
     this.cells = makeProgram(gl, CELL_VERTEX, CELL_FRAGMENT);
     this.torn = makeProgram(gl, TORN_VERTEX, TORN_FRAGMENT);
     this.rayRadius = head.rays === 'pushbroom' ? head.radius : 0;
@@ -199,10 +210,15 @@ export class SurfaceRenderer {
   use({ program, uniforms }, camera) {
     const { gl, head } = this;
     gl.useProgram(program);
-    gl.uniform1i(uniforms.directions, 1);
-    gl.activeTexture(gl.TEXTURE1);
-    gl.bindTexture(gl.TEXTURE_2D, this.directions);
+    for (const [unit, name] of [[1, 'directions'], [2, 'exposure']]) {
+      gl.uniform1i(uniforms[name], unit);
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.bindTexture(gl.TEXTURE_2D, this[name]);
+    }
     gl.activeTexture(gl.TEXTURE0);
+    gl.uniform1f(uniforms.even, this.even);
+    gl.uniform1fv(uniforms['light[0]'], this.light);
+    gl.uniform2f(uniforms.size, head.width, head.height);
     gl.uniform4f(uniforms.grid, head.vTop, head.vPitch, this.rayRadius, 2 * this.near);
     gl.uniform3f(uniforms.eye, ...camera.eye);
     gl.uniformMatrix3fv(uniforms.axes, true, camera.axes);

@@ -1,11 +1,8 @@
-/** Turns the view as the device is turned. */
+/** Turns the view, and so moves the eye along the arc, as the device is turned. */
 export class Tilt {
-  /**
-   * @param {import('./viewpoint.js').Viewpoint} viewpoint
-   * @param {() => void} changed
-   */
-  constructor(viewpoint, changed) {
-    Object.assign(this, { viewpoint, changed });
+  /** @param {(by: {yaw: number, pitch: number}) => void} turned radians to the left, up, since the last call */
+  constructor(turned) {
+    this.turned = turned;
     this.before = null;
     this.follow = (event) => this.turn(event);
   }
@@ -32,8 +29,7 @@ export class Tilt {
     const now = { yaw: Math.atan2(y, x), pitch: Math.asin(Math.min(1, Math.max(-1, z))) };
     if (this.before) {
       const turned = now.yaw - this.before.yaw;
-      this.viewpoint.move({ yaw: turned - 2 * Math.PI * Math.round(turned / (2 * Math.PI)), pitch: now.pitch - this.before.pitch });
-      this.changed();
+      this.turned({ yaw: turned - 2 * Math.PI * Math.round(turned / (2 * Math.PI)), pitch: now.pitch - this.before.pitch });
     }
     this.before = now;
   }

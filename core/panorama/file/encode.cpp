@@ -171,6 +171,10 @@ std::vector<NewChunk> write_records(const LayeredPanorama& panorama) {
   read_cameras(ByteReader(chunks.back().bytes, {"encode_ldp: cams", 0}));
   chunks.push_back({"qual", -1, -1, write_quality(panorama.quality)});
   chunks.push_back({"meta", -1, -1, write_metadata(panorama.metadata)});
+  if (!panorama.exposure.empty()) {
+    chunks.push_back({"expo", -1, -1, write_exposure(panorama.exposure)});
+    read_exposure(ByteReader(chunks.back().bytes, {"encode_ldp: expo", 0}), panorama.grid);
+  }
   return chunks;
 }
 

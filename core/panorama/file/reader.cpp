@@ -26,7 +26,7 @@ struct LayerIndex {
 };
 
 struct FileIndex {
-  std::optional<size_t> head, thumbnail, cameras, quality, metadata;
+  std::optional<size_t> head, thumbnail, cameras, quality, metadata, exposure;
   std::vector<LayerIndex> layers;
 };
 
@@ -37,11 +37,12 @@ void claim(std::optional<size_t>& slot, size_t i, const LdpChunk& chunk) {
 
 // The place of a chunk that belongs to the whole file or to a layer; null for chunks this version does not know.
 std::optional<size_t>* slot_of(FileIndex& index, const LdpChunk& chunk) {
-  const std::array<std::pair<const char*, std::optional<size_t>*>, 5> whole = {{{"HEAD", &index.head},
+  const std::array<std::pair<const char*, std::optional<size_t>*>, 6> whole = {{{"HEAD", &index.head},
                                                                                 {"thmb", &index.thumbnail},
                                                                                 {"cams", &index.cameras},
                                                                                 {"qual", &index.quality},
-                                                                                {"meta", &index.metadata}}};
+                                                                                {"meta", &index.metadata},
+                                                                                {"expo", &index.exposure}}};
   for (const auto& [type, slot] : whole) {
     if (chunk.type != type) continue;
     if (chunk.layer >= 0 || chunk.strip >= 0) place_of(chunk).refuse("layer and strip", "none", "one");
@@ -167,6 +168,8 @@ struct LdpReader::State {
     if (index.cameras) description.panorama.cameras = read_cameras(reader(*index.cameras));
     if (index.quality) description.panorama.quality = read_quality(reader(*index.quality));
     if (index.metadata) description.panorama.metadata = read_metadata(reader(*index.metadata));
+    if (index.exposure)
+      description.panorama.exposure = read_exposure(reader(*index.exposure), description.panorama.grid);
     if (!index.thumbnail) return;
     const auto thumbnail = content(*index.thumbnail);
     description.thumbnail.assign(thumbnail.begin(), thumbnail.end());

@@ -10,6 +10,7 @@ namespace {
 constexpr int kMaxCameras = 4096;
 constexpr int kMaxEntries = 4096;
 constexpr int kMaxText = 65535;
+constexpr int kMaxExposureNodes = 256;  // along a side
 constexpr int kMaxImageWidth = 1 << 16;
 constexpr uint8_t kWraps = 1, kClosed = 2;
 constexpr double kRotationTolerance = 1e-6;
@@ -272,6 +273,36 @@ std::vector<uint8_t> write_metadata(const std::map<std::string, std::string>& me
 
 std::map<std::string, std::string> read_metadata(ByteReader in) {
   return read_map<std::string>(in, [](ByteReader& from) { return from.text(from.u16()); });
+}
+
+std::vector<uint8_t> write_exposure(const DisplayExposure& exposure) {
+  ByteWriter out;
+  for (size_t i = 1; i < ResponseCurve::kKnots; ++i) out.u32(exposure.response.light[i]);
+  out.u32(static_cast<uint32_t>(exposure.factors.nodes.width));
+  out.u32(static_cast<uint32_t>(exposure.factors.nodes.height));
+  for (const auto& node : exposure.factors.nodes.samples)
+    for (const uint16_t factor : node) out.u16(factor);
+  return std::move(out.bytes);
+}
+
+DisplayExposure read_exposure(ByteReader in, const PanoramaGrid& grid) {
+  DisplayExposure exposure;
+  auto& light = exposure.response.light;
+  for (size_t i = 1; i < light.size(); ++i) {
+    light[i] = in.u32();
+    if (light[i] <= light[i - 1]) in.place().refuse("the response", "rising light", std::to_string(light[i]));
+  }
+  const int columns = in.whole("columns of the exposure", 1, kMaxExposureNodes);
+  const int rows = in.whole("rows of the exposure", 1, kMaxExposureNodes);
+  exposure.factors.wraps = grid.wraps;
+  exposure.factors.nodes = {columns, rows};
+  for (auto& node : exposure.factors.nodes.samples)
+    for (uint16_t& factor : node) {
+      factor = in.u16();
+      if (factor == 0) in.place().refuse("a factor of the exposure", "1 to 65535", "0");
+    }
+  in.expect_end();
+  return exposure;
 }
 
 }  // namespace ldp::file

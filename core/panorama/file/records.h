@@ -1,5 +1,5 @@
-// The small chunks (FORMAT.md, "HEAD", "LAYR", "cams", "qual", "meta") to and from bytes. Reading checks every bound.
-// They are written in encode.cpp and found in reader.cpp; CONTRIBUTING.md lists all that a new one takes.
+// The small chunks (FORMAT.md, "HEAD", "LAYR", "cams", "qual", "meta", "expo") to and from bytes. Reading checks every
+// bound. They are written in encode.cpp and found in reader.cpp; CONTRIBUTING.md lists all that a new one takes.
 #pragma once
 
 #include <cstdint>
@@ -39,6 +39,9 @@ std::map<std::string, double> read_quality(ByteReader reader);
 
 std::vector<uint8_t> write_metadata(const std::map<std::string, std::string>& metadata);
 std::map<std::string, std::string> read_metadata(ByteReader reader);
+
+std::vector<uint8_t> write_exposure(const DisplayExposure& exposure);
+DisplayExposure read_exposure(ByteReader reader, const PanoramaGrid& grid);
 
 // Refuses more pixels in all layers together than a file of so many bytes may declare.
 void check_work(const Head& head, uint64_t file_bytes, const Place& place);

@@ -270,7 +270,9 @@ std::vector<uint8_t> encode_png(const Plane<uint8_t>& grey) {
   return encode(e, grey.samples.data(), static_cast<size_t>(grey.width));
 }
 
-std::vector<uint8_t> encode_png(const Plane<uint16_t>& grey) {
+std::vector<uint8_t> encode_png(const Plane<uint16_t>& grey) { return encode_png(grey, std::string()); }
+
+std::vector<uint8_t> encode_png(const Plane<uint16_t>& grey, const std::string& xmp) {
   std::vector<uint8_t> big_endian;
   big_endian.reserve(grey.samples.size() * 2);
   for (const uint16_t sample : grey.samples) {
@@ -278,6 +280,7 @@ std::vector<uint8_t> encode_png(const Plane<uint16_t>& grey) {
     big_endian.push_back(static_cast<uint8_t>(sample & 255));
   }
   Encoder e(grey.width, grey.height, 16, PNG_COLOR_TYPE_GRAY);
+  e.xmp = xmp;
   return encode(e, big_endian.data(), static_cast<size_t>(grey.width) * 2);
 }
 

@@ -2,13 +2,13 @@
 
 #include <netinet/in.h>
 #include <netinet/tcp.h>
-#include <poll.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <initializer_list>
 #include <string_view>
 #include <system_error>
 
@@ -22,10 +22,11 @@ constexpr int64_t kMillisecond_ns = 1'000'000;
 
 [[noreturn]] void fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
 
-bool is_passing(int error) {  // of one connection, or over when others have ended
-  constexpr std::array kPassing{EAGAIN, EINTR, ECONNABORTED, EPROTO, EMFILE, ENFILE, ENOBUFS, ENOMEM, EPERM};
-  return std::find(kPassing.begin(), kPassing.end(), error) != kPassing.end();
+bool is_one_of(std::initializer_list<int> known, int error) {
+  return std::find(known.begin(), known.end(), error) != known.end();
 }
+bool is_of_one_connection(int error) { return is_one_of({EAGAIN, EINTR, ECONNABORTED, EPROTO}, error); }
+bool is_over_when_others_end(int error) { return is_one_of({EMFILE, ENFILE, ENOBUFS, ENOMEM, EPERM}, error); }
 
 enum class Head { partial, whole, too_long, gone };
 
@@ -50,23 +51,23 @@ void refuse_long_head(int connection) {
 
 Lobby::Lobby(int listening, int end) : listening_(listening), end_(end), epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
   if (!epoll_.is_open()) fail("cannot make an epoll descriptor");
-  watch(listening_, EPOLLIN);
-  watch(end_, EPOLLIN);
+  if (!watch(listening_, EPOLLIN) || !watch(end_, EPOLLIN)) fail("cannot wait for connections");
 }
 
-void Lobby::watch(int fd, uint32_t events) const {
+bool Lobby::watch(int fd, uint32_t events) const {
   epoll_event event{};
   event.events = events;
   event.data.fd = fd;
-  if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event) != 0) fail("cannot watch a connection");
+  return ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event) == 0;
 }
 
 void Lobby::admit(UniqueFd connection) {
   const int fd = connection.get();
   const std::lock_guard lock(mutex_);
   if (guests_.size() >= kMostWaiting) return;
-  guests_[fd] = {std::move(connection), monotonic_now_ns() + kHeadWithin_ms * kMillisecond_ns};
-  watch(fd, EPOLLIN | EPOLLRDHUP | EPOLLET);
+  const auto guest =
+      guests_.insert_or_assign(fd, Guest{std::move(connection), monotonic_now_ns() + kHeadWithin_ms * kMillisecond_ns});
+  if (!watch(fd, EPOLLIN | EPOLLRDHUP | EPOLLET)) guests_.erase(guest.first);  // the kernel has no room: it is closed
 }
 
 void Lobby::accept_all() {
@@ -78,8 +79,15 @@ void Lobby::accept_all() {
     ::setsockopt(connection.get(), SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes);
     admit(std::move(connection));
   }
-  if (!is_passing(errno)) fail("cannot accept connections");
-  if (errno == EMFILE || errno == ENFILE) ::poll(nullptr, 0, 20);  // until some have ended
+  if (is_of_one_connection(errno)) return;
+  if (!is_over_when_others_end(errno)) fail("cannot accept connections");
+  ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, listening_, nullptr);  // the client that waits would wake us at once
+  deaf_until_ns_ = monotonic_now_ns() + kShortage_ms * kMillisecond_ns;
+}
+
+void Lobby::listen_again() {
+  if (deaf_until_ns_ == 0 || monotonic_now_ns() < deaf_until_ns_) return;
+  deaf_until_ns_ = watch(listening_, EPOLLIN) ? 0 : monotonic_now_ns() + kShortage_ms * kMillisecond_ns;
 }
 
 void Lobby::look_at(int fd, std::vector<UniqueFd>& ready) {
@@ -104,7 +112,8 @@ void Lobby::send_away_late() {
 
 std::vector<UniqueFd> Lobby::next() {
   std::array<epoll_event, 64> events;
-  const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), kLateEvery_ms);
+  const int wait_ms = deaf_until_ns_ == 0 ? kLateEvery_ms : kShortage_ms;
+  const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), wait_ms);
   if (count < 0 && errno != EINTR) fail("cannot wait for connections");
   std::vector<UniqueFd> ready;
   for (int i = 0; i < count; ++i) {
@@ -117,6 +126,7 @@ std::vector<UniqueFd> Lobby::next() {
       look_at(fd, ready);
   }
   send_away_late();
+  listen_again();
   return ready;
 }
 

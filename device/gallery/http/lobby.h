@@ -30,14 +30,16 @@ class Lobby {
     int64_t until_ns = 0;
   };
 
-  void watch(int fd, uint32_t events) const;
+  bool watch(int fd, uint32_t events) const;
   void accept_all();
+  void listen_again();
   void look_at(int fd, std::vector<UniqueFd>& ready);
   void send_away_late();
 
   int listening_, end_;
   bool has_ended_ = false;
   int64_t looked_ns_ = 0;
+  int64_t deaf_until_ns_ = 0;  // no room for one more connection; 0 = there is
   UniqueFd epoll_;
   std::mutex mutex_;  // of what follows
   std::map<int, Guest> guests_;

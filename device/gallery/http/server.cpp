@@ -4,9 +4,12 @@
 #include <sys/eventfd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -100,8 +103,14 @@ class Http : public httplib::Server {
 // Requests that wait, and the threads that answer them.
 class Counter {
  public:
+  // Goes on with the threads that the system has room for; throws std::system_error where that is none.
   Counter(const Service& service, int listening, Lobby& lobby) : http_(service, listening), lobby_(lobby) {
-    for (int i = 0; i < kServers; ++i) threads_.emplace_back([this] { work(); });
+    threads_.reserve(kServers);
+    try {
+      for (int i = 0; i < kServers; ++i) threads_.emplace_back([this] { work(); });
+    } catch (const std::system_error&) {
+      if (threads_.empty()) throw;
+    }
   }
 
   ~Counter() {
@@ -131,7 +140,11 @@ class Counter {
       Connection connection(std::move(waiting_.front()));
       waiting_.pop_front();
       lock.unlock();
-      serve_connection(connection);
+      try {
+        serve_connection(connection);
+      } catch (const std::exception&) {
+        // No memory, say: this connection ends, and no other.
+      }
     }
   }
 
@@ -157,12 +170,14 @@ class Counter {
 void serve(int listening, const Service& service, const std::stop_token& stop) {
   ::fcntl(listening, F_SETFL, ::fcntl(listening, F_GETFL) | O_NONBLOCK);
   const UniqueFd end(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
+  if (!end.is_open()) throw std::system_error(errno, std::generic_category(), "cannot make an event descriptor");
   const std::stop_callback on_stop(stop, [&end] {
     const uint64_t one = 1;
     [[maybe_unused]] const ssize_t put = ::write(end.get(), &one, sizeof one);
   });
   Lobby lobby(listening, end.get());
   Counter counter(service, listening, lobby);
+  if (service.ready) service.ready();
   while (!lobby.has_ended())
     for (UniqueFd& connection : lobby.next()) counter.take(std::move(connection));
 }

@@ -25,6 +25,7 @@ std::string address_of(int listening);
 struct Service {
   std::function<Reply(const Asked&)> answer;  // from several threads
   std::function<void(UniqueFd)> follow;       // takes a connection that follows the live feed
+  std::function<void()> ready;                // called once all is there to serve with; may be empty
 };
 
 // Until the token is triggered; connections that are open then are ended. Throws std::system_error.

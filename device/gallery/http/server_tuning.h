@@ -10,6 +10,7 @@ constexpr size_t kMostWaiting = 1024;  // connections that wait for a request, o
 constexpr int kHeadWithin_ms =
     5'000;  // a request's whole head, from the connection or the last reply on; 2000 .. 10000
 constexpr size_t kMostHeadBytes = 16'384;  // of a request
+constexpr int kShortage_ms = 250;          // until connections are asked for again where there was no room for one
 constexpr int kLateEvery_ms = 500;         // connections that are late are looked for
 constexpr int kMostRequests = 1'000;       // of a connection that come at once
 constexpr int kUnreadFor_ms = 5'000;       // that a client may read nothing in all, and more for

@@ -22,7 +22,9 @@ namespace {
 
 constexpr int kProgressFd = 3;
 constexpr int kDeathPatience_ms = 2000;
-constexpr size_t kMaxErrorBytes = 4096;  // the end of what it says is kept
+constexpr size_t kPipeBytes = 65536;
+constexpr int kCannotBeDone = 1, kInternalError = 70;  // exit statuses of ldp build that another time would be the same
+constexpr size_t kMaxErrorBytes = 4096;                // the end of what it says is kept
 
 struct Pipe {
   UniqueFd read, write;
@@ -84,13 +86,15 @@ struct ChildEnds {
   ::_exit(127);
 }
 
-// Appends what is there; closes the descriptor at its end.
+// Appends what is there, no more than a pipe holds: one that says more, and faster than it is read, waits for the next
+// turn of the loop as all others do. Closes the descriptor at its end.
 void drain(UniqueFd& fd, std::string& text) {
   char buffer[4096];
-  while (fd.is_open()) {
+  for (size_t read = 0; fd.is_open() && read < kPipeBytes;) {
     const ssize_t got = ::read(fd.get(), buffer, sizeof buffer);
     if (got > 0) {
       text.append(buffer, static_cast<size_t>(got));
+      read += static_cast<size_t>(got);
       continue;
     }
     if (got < 0 && errno == EINTR) continue;
@@ -180,8 +184,9 @@ std::optional<BuildEnd> BuildChild::end() {
   if (ended < 0 && errno == ECHILD) return end_ = BuildEnd{false, "the system did not tell how the build ended", true};
   if (ended != pid_) return std::nullopt;
   read_errors();
-  const bool ok = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-  const bool verdict = WIFEXITED(status) && WEXITSTATUS(status) <= 1;
+  const int exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  const bool ok = exit_status == 0;
+  const bool verdict = ok || exit_status == kCannotBeDone || exit_status == kInternalError;
   end_ = BuildEnd{ok, ok ? std::string() : reason_of(status, error_text_), !verdict};
   return end_;
 }

@@ -30,7 +30,8 @@ struct BuildProgress {
 struct BuildEnd {
   bool ok = false;
   std::string reason;  // the last line of its standard error, or what killed it
-  // It came to no verdict on the frames (status 1): killed, a full disk, a wrong option. Another time may go better.
+  // It came to no verdict on the frames: killed, a full disk or no memory (status 75), a wrong option. Another time may
+  // go better.
   bool retry = false;
 };
 
@@ -58,7 +59,7 @@ class BuildChild {
   std::optional<BuildEnd> end_;
 };
 
-// Lines "FRACTION STAGE" as ldp build --progress-fd writes them; anything else is ignored.
+// Lines "FRACTION STAGE" as ldp build --progress-fd writes them; none for anything else.
 std::optional<BuildProgress> parse_progress(const std::string& line);
 
 }  // namespace ldp

@@ -92,6 +92,8 @@ BuildCommand BuildQueue::command_for(const std::string& capture, bool follows) c
   if (config_.fov_degrees > 0) {
     command.arguments.insert(command.arguments.end(), {"--fov", std::to_string(config_.fov_degrees)});
   }
+  if (config_.effort != Config().effort)
+    command.arguments.insert(command.arguments.end(), {"--effort", config_.effort});
   if (follows) command.arguments.emplace_back("--follow");
   command.arguments.insert(command.arguments.end(), config_.options.begin(), config_.options.end());
   return command;

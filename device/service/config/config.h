@@ -30,8 +30,9 @@ struct Config {
   int reserve_mib = 64;           // of the disk, never filled
 
   // [build]
-  bool follow = true;          // poses are found while the arm moves
-  std::string program;         // empty: ldp beside ldpd
+  bool follow = true;   // poses are found while the arm moves
+  std::string program;  // empty: ldp beside ldpd
+  std::string effort = "standard";
   int threads = 0;             // 0 = all
   int memory_limit_mib = 512;  // of the process, at least 64, 0 = none
   int niceness = 10;

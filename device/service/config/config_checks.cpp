@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "core/pipeline/effort.h"
 #include "device/backends/open.h"
 #include "drivers/interface/url.h"
 
@@ -51,6 +52,10 @@ void check_build_program(const std::string& program) {
                              "': give the whole path of ldp, or nothing for the one beside ldpd");
   if (std::filesystem::is_directory(program, error) || ::access(program.c_str(), X_OK) != 0)
     throw std::runtime_error("'" + program + "' cannot be run: give the whole path of ldp, or make it executable");
+}
+
+void check_effort(const std::string& name) {
+  if (!effort_named(name)) throw std::runtime_error("expected \"fast\", \"standard\" or \"best\"");
 }
 
 std::string complaint_of(TextCheck check, const std::string& text) {

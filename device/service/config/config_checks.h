@@ -12,6 +12,7 @@ using TextCheck = void (*)(const std::string& text);
 
 void check_output_folder(const std::string& folder);
 void check_build_program(const std::string& program);
+void check_effort(const std::string& name);
 void check_camera_is_there(const std::string& camera);  // besides being one, as far as a file tells
 void check_button_is_there(const std::string& button);
 

@@ -134,6 +134,7 @@ const std::vector<ConfigKey>& all_config_keys() {
       number_key("sweep.reserve_mib", "of the disk that are never filled", &Config::reserve_mib, {0, 1e6}),
       flag_key("build.follow", "whether poses are found while the arm still moves", &Config::follow),
       text_key("build.program", "empty: the ldp beside ldpd", &Config::program, check_build_program),
+      text_key("build.effort", "fast, standard or best: how much work a build does", &Config::effort, check_effort),
       number_key("build.threads", "0 = all cores", &Config::threads, {0, 256}),
       number_key("build.memory_limit_mib", "of the build's process, at least 64; 0 = none", &Config::memory_limit_mib,
                  {kLeastMemoryLimit_mib, 1e6}, true),

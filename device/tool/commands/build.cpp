@@ -1,4 +1,4 @@
-// ldp build: a capture folder to an .ldp file.
+// ldp build: a capture to an .ldp file.
 
 #include "core/pipeline/build.h"
 #include "core/photos/left_out.h"
@@ -11,12 +11,17 @@
 #include <memory>
 #include <optional>
 
+#include "core/base/files.h"
+#include "core/base/processor_time.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/verdict/words.h"
 #include "device/tool/build_setup.h"
 #include "device/tool/commands.h"
 #include "device/tool/commands/build_report.h"
 #include "device/tool/commands/follow_capture.h"
+#include "device/tool/json/quality_json.h"
+#include "device/tool/many/estimate_command.h"
+#include "device/tool/many/recipe.h"
 #include "device/tool/output.h"
 #include "device/tool/own_output.h"
 #include "device/tool/process/progress_bar.h"
@@ -28,7 +33,7 @@ namespace {
 struct BuildCommand {
   BuildSetup setup;
   std::string output, report, debug;
-  bool follow = false, strict = false;
+  bool follow = false, strict = false, if_needed = false, estimate = false;
 };
 
 // Debug pictures stay also when the build cannot be done: that is when they are wanted most. An interrupted one leaves
@@ -71,26 +76,69 @@ void print_summary(const BuildCommand& command, const BuildResult& result, size_
   std::printf("%s\n", text_of(result.report.quality).c_str());
 }
 
-// The file is written all the same: it may be all there is of the place.
-void refuse_poor_quality(const BuildCommand& command, const SweepQuality& quality) {
-  if (command.strict && quality.grade == Grade::sweep_again)
-    throw Impossible(command.output + ": " + text_of(quality) + " (--strict)");
+// The exit status. The file is written all the same: it may be all there is of the place.
+int judged(const BuildCommand& command, const SweepQuality& quality) {
+  if (!command.strict || quality.grade != Grade::sweep_again) return kDone;
+  std::fprintf(stderr, "ldp build: %s: %s (--strict)\n", command.output.c_str(), text_of(quality).c_str());
+  return kCannotBeDone;
 }
 
-int run(const BuildCommand& command, const Session& session) {
+void check_outputs(const BuildCommand& command) {
   check_output_file(command.output, OutputKind::panorama);
   if (std::filesystem::weakly_canonical(command.report) == std::filesystem::weakly_canonical(command.output))
     throw BadInput(command.report + ": is named for the panorama and for the report: choose two names");
   if (!command.report.empty()) check_output_file(command.report, OutputKind::report);
+}
+
+bool tells_of_success(const std::string& report) {
+  return std::filesystem::exists(report) &&
+         !nlohmann::json::parse(read_file(report), nullptr, false).contains("failure");
+}
+
+// The panorama that is there already where nothing needs to be done.
+std::optional<LdpDescription> earlier(const BuildCommand& command, const std::string& recipe,
+                                      const PreparedBuild& prepared, const Job& job) {
+  if (!command.report.empty() && !tells_of_success(command.report)) return std::nullopt;
+  return made_already(command.output, recipe, command.setup, prepared, job);
+}
+
+int tell_earlier(const BuildCommand& command, const LdpDescription& earlier, bool in_json) {
+  const std::map<std::string, double>& figures = earlier.panorama.quality;
+  if (in_json) {
+    const nlohmann::ordered_json json{
+        {"file", command.output}, {"made_already", true}, {"quality", quality_json(figures)}};
+    std::printf("%s\n", json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  } else {
+    std::printf("%s: made already from the same photos and options\n", command.output.c_str());
+  }
+  const std::optional<SweepQuality> quality = quality_from(figures);
+  return quality ? judged(command, *quality) : kDone;
+}
+
+// A report of many builds tells of those that failed too.
+void report_failure(const BuildCommand& command, const Failure& failure) {
+  nlohmann::ordered_json report{{"version", LDP_VERSION},
+                                {"failure", {{"status", failure.status}, {"text", failure.text}}}};
+  report["options"]["capture"] = command.setup.capture();
+  write_text(command.report, report.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+int run(const BuildCommand& command, const Session& session) {
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
   PoseEstimator begun{PosesOptions{}};
   if (command.follow) begun = follow_capture(command.setup, STDIN_FILENO, job);
   const auto begin = std::chrono::steady_clock::now();
-  PreparedBuild prepared = prepare(command.setup);
-  prepared.options.scratch_directory = std::filesystem::absolute(command.output).parent_path().string();
+  BuildSetup setup = command.setup;
+  setup.scratch = std::filesystem::absolute(command.output).parent_path().string();
+  PreparedBuild prepared = prepare(setup, job);
+  const std::string recipe = command.if_needed ? recipe_of(command.setup, prepared) : "";
+  if (command.if_needed)
+    if (const auto there = earlier(command, recipe, prepared, job)) return tell_earlier(command, *there, session.json);
+  prepared.options.scratch_directory = setup.scratch;
   BuildResult result = build_with_pictures(prepared, command.debug, job, std::move(begun));
   add_metadata(prepared.notes, result.panorama);
+  if (command.if_needed) result.panorama.metadata[kRecipe] = recipe;
   const std::vector<uint8_t> file = encode_ldp(result.panorama, {command.setup.colour_quality}, job);
   write_output(command.output, file);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -99,6 +147,7 @@ int run(const BuildCommand& command, const Session& session) {
   report["options"] = options_json(command.setup, prepared.options);
   report["options"]["threads"] = session.thread_count();
   report["seconds"]["whole"] = seconds;
+  report["processor_seconds"]["whole"] = processor_seconds();
   report["peak_memory_bytes"] = peak_memory_bytes();
   report["scratch_files"] = result.scratch != nullptr;
   report["bytes"] = sizes_json(file);
@@ -108,26 +157,42 @@ int run(const BuildCommand& command, const Session& session) {
     std::printf("%s\n", report.dump(1).c_str());
   else
     print_summary(command, result, file.size(), seconds);
-  refuse_poor_quality(command, result.report.quality);
-  return kDone;
+  return judged(command, result.report.quality);
 }
 
 }  // namespace
 
 void add_build(Program& program) {
   auto command = std::make_shared<BuildCommand>();
-  CLI::App& app = add_command(program, "build", "Turn a folder of photos into a layered depth panorama",
-                              [command](const Session& session) { return run(*command, session); });
+  CLI::App& app =
+      add_command(program, "build", "Turn the photos of a sweep, or a film of it, into a layered depth panorama",
+                  [command, &program](const Session& session) {
+                    if (command->estimate) return tell_estimate(command->setup, command->output, session);
+                    check_outputs(*command);
+                    if (!command->report.empty())
+                      program.failed = [command](const Failure& failure) { report_failure(*command, failure); };
+                    return run(*command, session);
+                  });
   add_capture_options(app, command->setup);
-  app.add_option("-o,--output", command->output, "The .ldp file to write")->required();
+  app.add_option("-o,--output", command->output, "The .ldp file to write; needed but with --estimate");
   add_build_options(app, command->setup);
   app.add_flag("--follow", command->follow,
                "Begin while CAPTURE is being taken: the name of each photo, once it is stored, as a line on standard "
                "input, then 'end'")
       ->excludes("--cameras");
   app.add_flag("--strict", command->strict, "Exit with status 1 when the verdict is 'sweep again'; the file is kept");
+  app.add_flag(
+         "--if-needed", command->if_needed,
+         "Do nothing if the .ldp file is sound, no input is newer, and it was made so from the same photos with the "
+         "same options")
+      ->excludes("--follow");
+  app.add_flag(
+         "--estimate", command->estimate,
+         "Tell roughly the processor seconds, memory and bytes of the file before the work, and build nothing; takes "
+         "a tenth to a fifth of it")
+      ->excludes("--follow");
   app.add_option("--report", command->report, "Write seconds, memory, energies and sizes to this .json file");
-  app.add_option("--debug", command->debug, "Write pictures of every stage into this folder");
+  app.add_option("--debug", command->debug, "Write pictures of every stage into this folder")->excludes("--if-needed");
 }
 
 }  // namespace ldp

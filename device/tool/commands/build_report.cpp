@@ -45,6 +45,17 @@ Json arc_json(const ArcFit& fit) {
   return json;
 }
 
+Json seconds_json(const std::vector<std::pair<std::string, double>>& of_stages) {
+  Json json;
+  double total = 0;
+  for (const auto& [stage, seconds] : of_stages) {
+    json[stage] = seconds;
+    total += seconds;
+  }
+  json["total"] = total;
+  return json;
+}
+
 Json solve_json(const SolveEntry& solve) {
   return {{"name", solve.name},
           {"data_energy", solve.report.data_energy},
@@ -113,12 +124,8 @@ Json consistency_json(const ConsistencyReport& report) {
 
 Json report_json(const BuildReport& report, const LayeredPanorama& panorama) {
   Json json;
-  double total = 0;
-  for (const auto& [stage, seconds] : report.seconds) {
-    json["seconds"][stage] = seconds;
-    total += seconds;
-  }
-  json["seconds"]["total"] = total;
+  json["seconds"] = seconds_json(report.seconds);
+  json["processor_seconds"] = seconds_json(report.processor_seconds);
   json["panorama"] = {{"width", panorama.grid.width},   {"height", panorama.grid.height},
                       {"wraps", panorama.grid.wraps},   {"w_far", panorama.grid.w_far},
                       {"w_near", panorama.grid.w_near}, {"layers", panorama.layers.size()}};

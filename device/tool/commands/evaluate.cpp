@@ -8,6 +8,8 @@
 #include <optional>
 
 #include "core/base/files.h"
+#include "core/photos/exposure/local_exposure.h"
+#include "core/photos/exposure/photo_exposure.h"
 #include "core/photos/exposure_gain.h"
 #include "core/photos/images.h"
 #include "core/pipeline/build.h"
@@ -103,6 +105,13 @@ void expose(RgbImage& picture, const Gain& gain) {
   }
 }
 
+// Of the photos kept, in their order.
+std::vector<Gain> gains_of(const Split& split, const std::map<std::string, Gain>& gains) {
+  std::vector<Gain> of_kept;
+  for (const Camera& camera : split.kept) of_kept.push_back(gains.at(camera.name));
+  return of_kept;
+}
+
 struct Row {
   std::string name;
   ViewQuality ours, baseline;
@@ -111,7 +120,14 @@ struct Row {
 class Evaluation {
  public:
   Evaluation(const PreparedBuild& prepared, const Split& split, const BuildResult& result, const Job& job)
-      : prepared_(prepared), split_(split), gains_(result.report.gains), renderer_(result.panorama), job_(job) {
+      : prepared_(prepared),
+        split_(split),
+        is_local_(!result.panorama.exposure.empty()),
+        gains_(result.report.gains),
+        local_(split.kept, gains_of(split, gains_)),
+        response_(result.panorama.exposure.response),
+        renderer_(result.panorama),
+        job_(job) {
     const double near = result.panorama.grid.w_near;
     nearest_depth_ = near > 0 ? 1 / near : 1e6;
   }
@@ -121,7 +137,12 @@ class Evaluation {
     job_.report("comparing", static_cast<double>(test) / static_cast<double>(split_.tests.size()));
     const RgbImage truth = prepared_.frames.load(split_.test_frames[test]);
     View view = renderer_.render(camera, {}, job_);
-    expose(view.colour, expected_gain(split_, test, gains_));
+    const Gain gain = expected_gain(split_, test, gains_);
+    if (is_local_)
+      PhotoExposure({local_.back_to_photo(camera, gain), response_}, view.colour.width, view.colour.height)
+          .apply(view.colour);
+    else
+      expose(view.colour, gain);
     const auto nearest = static_cast<size_t>(nearest_camera(split_.kept, camera, nearest_depth_));
     const RgbImage photo = prepared_.frames.load(split_.kept_frames[nearest]);
     const BaselineView flat = baseline_view(photo, split_.kept[nearest], camera, truth, nearest_depth_);
@@ -138,7 +159,10 @@ class Evaluation {
  private:
   const PreparedBuild& prepared_;
   const Split& split_;
+  bool is_local_;  // as bright as the photos of each direction are
   const std::map<std::string, Gain>& gains_;
+  LocalExposure local_;
+  ResponseCurve response_;
   Renderer renderer_;
   const Job& job_;
   double nearest_depth_ = 0;
@@ -194,11 +218,11 @@ void print(const std::vector<Row>& rows, const BuildReport& report, bool json) {
 }
 
 int run(const EvaluateCommand& command, const Session& session) {
-  const PreparedBuild prepared = prepare(command.setup);
-  std::optional<OutputFolder> keep;
-  if (!command.keep.empty()) keep.emplace(command.keep, OutputFolder::Existing::merge);
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
+  const PreparedBuild prepared = prepare(command.setup, job);
+  std::optional<OutputFolder> keep;
+  if (!command.keep.empty()) keep.emplace(command.keep, OutputFolder::Existing::merge);
   const Split parts = split(prepared, command.every, job);
   BuildOptions options = prepared.options;
   options.cameras = parts.kept;

@@ -33,7 +33,7 @@ constexpr BytesBeside kExporting{.per_pixel = 5, .per_present_pixel = 64, .alway
 
 // A picture from a place takes what rendering takes, and its own bands.
 constexpr BytesBeside kSeeing{
-    .per_pixel = kMeshBytesPerPixel + 12, .per_present_pixel = kMeshBytesPerPresentPixel, .always = kMeshBytesAlways};
+    .per_pixel = kMeshBytesPerPixel + 24, .per_present_pixel = kMeshBytesPerPresentPixel, .always = kMeshBytesAlways};
 
 std::string size_text(size_t bytes) {
   char text[32];
@@ -47,6 +47,11 @@ Viewer viewer_of(const ExportCommand& command) {
   Viewer viewer = command.viewer;
   if (!command.at.empty()) viewer.at = {command.at[0], command.at[1], command.at[2]};
   return viewer;
+}
+
+Kind kind_of(const std::string& name) {
+  if (name == "stereo") return Kind::stereo;
+  return name == "depth" ? Kind::depth : Kind::panorama;
 }
 
 // From a place, instead of as it was swept.
@@ -86,7 +91,7 @@ void check_output(const ExportCommand& command) {
 size_t write_exported(const ExportCommand& command, LayeredPanorama&& panorama, const MappedFile& mapped,
                       const Job& job) {
   if (names_a_folder(command.output)) return write_layers(command, panorama, job);
-  const Kind kind = command.kind == "stereo" ? Kind::stereo : Kind::panorama;
+  const Kind kind = kind_of(command.kind);
   const std::vector<uint8_t> exported =
       is_seen(command)
           ? export_seen(command.output, std::move(panorama), kind, viewer_of(command), command.options, job)
@@ -125,8 +130,9 @@ void add_export(Program& program) {
   app.add_option(
          "--kind", command->kind,
          "Of a .jpg or .png: panorama, all that one eye sees from a place; stereo, what two eyes see that turn "
-         "with the head, the left one's sphere above the right one's. Left out: the front layer as it was swept")
-      ->check(CLI::IsMember({"panorama", "stereo"}));
+         "with the head, the left one's sphere above the right one's; depth, a panorama with its depth inside as "
+         "photo programs know it (GDepth), as .png its depth alone, 16 bits. Left out: the front layer as it was swept")
+      ->check(CLI::IsMember({"panorama", "stereo", "depth"}));
   app.add_option("--at", command->at,
                  "X,Y,Z: the place, from the turn's axis: towards the sweep's middle, to its left, up; in the unit of "
                  "the capture, metres unless cameras were given")

@@ -1,14 +1,7 @@
 #include "device/tool/commands/film.h"
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/mman.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cerrno>
-#include <csignal>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -17,10 +10,9 @@
 #include "core/base/job.h"
 #include "device/tool/output.h"
 #include "device/tool/own_output.h"
+#include "device/tool/process/child_process.h"
 #include "device/tool/process/interrupt.h"
 #include "device/tool/session.h"
-
-extern char** environ;
 
 namespace ldp {
 namespace {
@@ -60,74 +52,38 @@ Film::Film(const std::filesystem::path& file, int width, int height) : file_(fil
   std::string name = ".";
   name += file.stem().string() + ".partial-" + std::to_string(::getpid()) + file.extension().string();
   partial_ = file.parent_path() / name;
-  int ends[2] = {-1, -1};
-  if (::pipe2(ends, O_CLOEXEC) != 0)
-    throw std::system_error(errno, std::generic_category(), "opening a pipe to ffmpeg");
-  pipe_ = ends[1];
-  errors_ = ::memfd_create("ffmpeg", MFD_CLOEXEC);
-  ::signal(SIGPIPE, SIG_IGN);  // an ffmpeg that ends early is reported by its exit status
-  posix_spawn_file_actions_t actions;
-  ::posix_spawn_file_actions_init(&actions);
-  ::posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-  if (errors_ >= 0) ::posix_spawn_file_actions_adddup2(&actions, errors_, STDERR_FILENO);
-  std::vector<std::string> words = command_line(partial_, width, height);
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
   temporary_ = std::make_unique<Temporary>(partial_);
-  const int error = ::posix_spawnp(&process_, "ffmpeg", &actions, nullptr, arguments.data(), environ);
-  ::posix_spawn_file_actions_destroy(&actions);
-  ::close(ends[0]);
-  if (error == 0) return;
-  ::close(pipe_);
-  ::close(errors_);
-  throw BadInput(file.string() + ": films need ffmpeg, which could not be started: install it, or give a folder to -o");
+  try {
+    ffmpeg_ = std::make_unique<ChildProcess>(command_line(partial_, width, height), ChildProcess::Pipe::to_child);
+  } catch (const std::system_error&) {
+    throw BadInput(file.string() +
+                   ": films need ffmpeg, which could not be started: install it, or give a folder to -o");
+  }
 }
 
 Film::~Film() {
-  close_and_wait();
-  ::close(errors_);
+  ffmpeg_->wait();
   std::error_code ignored;
   if (!partial_.empty()) std::filesystem::remove(partial_, ignored);
 }
 
 void Film::add(const RgbImage& picture) {
   static_assert(sizeof(Rgb) == 3);
-  const auto* bytes = reinterpret_cast<const char*>(picture.samples.data());
-  size_t left = 3 * picture.samples.size();
-  while (left > 0) {
-    const ssize_t written = ::write(pipe_, bytes, left);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) {
-      close_and_wait();
-      fail();
-    }
-    bytes += written;
-    left -= static_cast<size_t>(written);
-  }
-}
-
-int Film::close_and_wait() {
-  if (process_ < 0) return 0;
-  ::close(pipe_);
-  int status = 0;
-  while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) continue;
-  process_ = -1;
-  return status;
+  const auto* bytes = reinterpret_cast<const uint8_t*>(picture.samples.data());
+  if (!ffmpeg_->write({bytes, 3 * picture.samples.size()})) fail();
 }
 
 // By the first line that ffmpeg said, which gives the cause, with the film's own name.
 void Film::fail() const {
-  std::string said(1000, '\0');
-  said.resize(static_cast<size_t>(std::max<ssize_t>(::pread(errors_, said.data(), said.size(), 0), 0)));
-  said.resize(std::min(said.find('\n'), said.size()));
+  ffmpeg_->wait();
+  std::string said = ffmpeg_->first_line_said();
   const std::string partial = partial_.string();
   if (const size_t at = said.find(partial); at != std::string::npos) said.replace(at, partial.size(), file_.string());
   throw Impossible(file_.string() + ": ffmpeg failed" + (said.empty() ? "" : ": " + said));
 }
 
 void Film::keep() {
-  if (close_and_wait() != 0) fail();
+  if (ffmpeg_->wait() != 0) fail();
   move_file(partial_, file_);
   partial_.clear();
 }

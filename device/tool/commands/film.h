@@ -1,8 +1,6 @@
 // A film written through ffmpeg, when that is installed: .mp4, .webm or .gif, in upper or lower case.
 #pragma once
 
-#include <sys/types.h>
-
 #include <filesystem>
 #include <memory>
 
@@ -10,6 +8,7 @@
 
 namespace ldp {
 
+class ChildProcess;
 class Temporary;
 
 bool names_a_film(const std::filesystem::path& file);
@@ -27,13 +26,11 @@ class Film {
   void keep();
 
  private:
-  int close_and_wait();
   [[noreturn]] void fail() const;
 
   std::filesystem::path file_, partial_;
   std::unique_ptr<Temporary> temporary_;
-  pid_t process_ = -1;
-  int pipe_ = -1, errors_ = -1;  // errors_: what ffmpeg writes to its standard error
+  std::unique_ptr<ChildProcess> ffmpeg_;
 };
 
 }  // namespace ldp

@@ -61,11 +61,11 @@ PoseEstimator follow_capture(const BuildSetup& setup, int lines_fd, const Job& j
     const bool complete = names.back() == "end";
     if (complete) names.pop_back();
     if (names.empty()) return poses;
-    const FolderFrames frames = open_frames(setup);
+    const FolderFrames frames = open_folder(setup);
     int count = 0;
-    for (const std::string& name : names) count = std::max(count, index_of(frames, name, setup.capture) + 1);
+    for (const std::string& name : names) count = std::max(count, index_of(frames, name, setup.capture()) + 1);
     if (complete) return poses;
-    if (poses.size() == 0) poses = PoseEstimator(poses_options(setup, read_capture_notes(setup.capture), frames));
+    if (poses.size() == 0) poses = PoseEstimator(poses_options(setup, read_capture_notes(setup.capture()), frames));
     poses.add_frames(frames, std::max(count, poses.size()), job);
   }
 }

@@ -1,10 +1,13 @@
 // ldp info: everything that is in an .ldp file.
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "core/base/files.h"
 #include "core/panorama/file/ldp_file.h"
@@ -77,6 +80,14 @@ Json cameras_json(const std::vector<Camera>& cameras) {
   return json;
 }
 
+// The least and the greatest factor of green.
+std::pair<double, double> exposure_range(const DisplayExposure& exposure) {
+  int least = UINT16_MAX, most = 0;
+  for (const auto& node : exposure.factors.nodes.samples)
+    least = std::min<int>(least, node[1]), most = std::max<int>(most, node[1]);
+  return {least / double{GainField::kOne}, most / double{GainField::kOne}};
+}
+
 Json info_json(const LdpDescription& description) {
   const LayeredPanorama& panorama = description.panorama;
   Json json;
@@ -89,6 +100,13 @@ Json info_json(const LdpDescription& description) {
                     {"height", panorama.limits.height}};
   json["layers"] = layers_json(description);
   json["cameras"] = cameras_json(panorama.cameras);
+  if (!panorama.exposure.empty()) {
+    const auto [least, most] = exposure_range(panorama.exposure);
+    json["exposure"] = {{"columns", panorama.exposure.factors.nodes.width},
+                        {"rows", panorama.exposure.factors.nodes.height},
+                        {"least", least},
+                        {"most", most}};
+  }
   json["quality"] = quality_json(panorama.quality);
   json["metadata"] = panorama.metadata;
   json["thumbnail_bytes"] = description.thumbnail.size();
@@ -154,6 +172,10 @@ void print_text(const std::string& file, const LdpDescription& description) {
         static_cast<double>(description.layers[i].present_pixels) / (static_cast<double>(grid.width) * grid.height);
     std::printf("layer %zu   %.1f %% covered%s\n", i + 1, 100 * share,
                 description.layers[i].has_alpha ? ", soft edges" : "");
+  }
+  if (!panorama.exposure.empty()) {
+    const auto [least, most] = exposure_range(panorama.exposure);
+    std::printf("exposure  local: light by %.2f to %.2f of even exposure\n", least, most);
   }
   print_quality(panorama.quality);
   for (const auto& [name, value] : panorama.metadata) std::printf("metadata  %s: %s\n", name.c_str(), value.c_str());

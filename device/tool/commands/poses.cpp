@@ -94,9 +94,9 @@ int run(const PosesCommand& command, const Session& session) {
     if (std::filesystem::equivalent(command.output, command.setup.cameras, error))
       throw BadInput(command.output + ": is also read, as --cameras: choose another name");
   }
-  const PreparedBuild prepared = prepare(command.setup);
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
+  const PreparedBuild prepared = prepare(command.setup, job);
   Poses poses = prepared.options.cameras.empty()
                     ? estimate_poses(prepared.frames, prepared.options.poses, job)
                     : triangulate(prepared.frames, prepared.options.cameras, prepared.options.poses, job);
@@ -107,8 +107,8 @@ int run(const PosesCommand& command, const Session& session) {
   if (!command.colmap.empty()) write_colmap(command.colmap, poses, colours);
   if (!command.output.empty()) write_text(command.output, transforms_json(poses.cameras));
   bar.reset();
-  if (const std::string what = sideways(poses.cameras); !what.empty())
-    std::fprintf(stderr, "ldp poses: %s\n", with_switches(what).c_str());
+  for (const std::string& what : {sideways(poses.cameras), wrong_exif_lens(poses.report)})
+    if (!what.empty()) std::fprintf(stderr, "ldp poses: %s\n", with_switches(what).c_str());
   if (session.json)
     std::printf("%s\n", poses_json(poses.report).dump(1).c_str());
   else
@@ -120,7 +120,7 @@ int run(const PosesCommand& command, const Session& session) {
 
 void add_poses(Program& program) {
   auto command = std::make_shared<PosesCommand>();
-  CLI::App& app = add_command(program, "poses", "Estimate the cameras of a folder of photos",
+  CLI::App& app = add_command(program, "poses", "Estimate the cameras of photos",
                               [command](const Session& session) { return run(*command, session); });
   add_capture_options(app, command->setup);
   app.add_option("-o,--output", command->output, "The transforms.json to write");

@@ -11,6 +11,7 @@
 
 #include "core/base/files.h"
 #include "core/captures/transforms.h"
+#include "core/panorama/even_exposure.h"
 #include "core/photos/images.h"
 #include "core/view/camera_path.h"
 #include "core/view/framing.h"
@@ -33,6 +34,7 @@ struct RenderCommand {
   int frames = 90;
   double fov_deg = 0;
   RenderOptions options;
+  bool even = false;
 };
 
 std::vector<Camera> cameras_of(const RenderCommand& command, const LayeredPanorama& panorama, const Renderer& renderer,
@@ -80,12 +82,12 @@ constexpr BytesBeside kRendering{
 
 constexpr double kBlind = 0.01;  // share of a view that shows something, below which its camera sees nothing
 
-struct Totals {
+struct Rendered {
   double holes = 0, invented = 0;
   int views = 0, blind = 0;
 };
 
-void add(const View& view, Totals& totals) {
+void add(const View& view, Rendered& totals) {
   size_t holes = 0;
   for (const uint8_t alpha : view.alpha.samples) holes += alpha < 128 ? 1 : 0;
   const double share = static_cast<double>(holes) / static_cast<double>(view.alpha.samples.size());
@@ -106,10 +108,10 @@ void refuse_longer_path(const RenderCommand& command) {
   }
 }
 
-Totals render_pictures(const RenderCommand& command, const Renderer& renderer, const std::vector<Camera>& cameras,
-                       const Job& job) {
+Rendered render_pictures(const RenderCommand& command, const Renderer& renderer, const std::vector<Camera>& cameras,
+                         const Job& job) {
   OutputFolder folder(command.output, OutputFolder::Existing::merge);
-  Totals totals;
+  Rendered totals;
   for (const Camera& camera : cameras) {
     job.report("rendering", totals.views / static_cast<double>(cameras.size()));
     const View view = renderer.render(camera, command.options, job);
@@ -125,10 +127,10 @@ Totals render_pictures(const RenderCommand& command, const Renderer& renderer, c
   return totals;
 }
 
-Totals render_film(const RenderCommand& command, const Renderer& renderer, const std::vector<Camera>& cameras,
-                   const Job& job) {
+Rendered render_film(const RenderCommand& command, const Renderer& renderer, const std::vector<Camera>& cameras,
+                     const Job& job) {
   Film film(command.output, cameras.front().intrinsics.width, cameras.front().intrinsics.height);
-  Totals totals;
+  Rendered totals;
   for (const Camera& camera : cameras) {
     job.report("rendering", totals.views / static_cast<double>(cameras.size()));
     const View view = renderer.render(camera, command.options, job);
@@ -160,7 +162,7 @@ void check_view(const RenderCommand& command, const Camera& camera) {
                "the view " + camera.name + " of " + std::to_string(k.width) + "x" + std::to_string(k.height));
 }
 
-void print_summary(const RenderCommand& command, const Totals& totals, bool json) {
+void print_summary(const RenderCommand& command, const Rendered& totals, bool json) {
   const double holes = 100 * totals.holes / totals.views, invented = 100 * totals.invented / totals.views;
   if (json) {
     std::printf("{\"views\": %d, \"holes_percent\": %.4f, \"invented_percent\": %.4f}\n", totals.views, holes,
@@ -182,15 +184,16 @@ int run(const RenderCommand& command, const Session& session) {
   check(command);
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
-  const LayeredPanorama panorama = read_panorama(command.input, kRendering, job);
+  LayeredPanorama panorama = read_panorama(command.input, kRendering, job);
+  if (command.even) even_out(panorama, job);
   const Renderer renderer(panorama);
   const std::vector<Camera> cameras = cameras_of(command, panorama, renderer, job);
   if (cameras.empty()) throw BadInput(command.cameras + ": has no frames: add the cameras to render");
   for (const Camera& camera : cameras) check_view(command, camera);
   check_stems(cameras, command.cameras);
   if (!names_a_film(command.output)) keep_photos(command, cameras);
-  const Totals totals = names_a_film(command.output) ? render_film(command, renderer, cameras, job)
-                                                     : render_pictures(command, renderer, cameras, job);
+  const Rendered totals = names_a_film(command.output) ? render_film(command, renderer, cameras, job)
+                                                       : render_pictures(command, renderer, cameras, job);
   bar.reset();
   print_summary(command, totals, session.json);
   return kDone;
@@ -226,6 +229,12 @@ void add_render(Program& program) {
          "Holes: none leaves them transparent, background continues what lies behind")
       ->check(CLI::IsMember({"none", "background"}))
       ->default_str("none");
+  app.add_option_function<std::string>(
+         "--exposure", [command](const std::string& name) { command->even = name == "even"; },
+         "Brightness, of photos on automatic exposure: local is about that of the photos of each direction, even as if "
+         "all had one exposure")
+      ->check(CLI::IsMember({"local", "even"}))
+      ->default_str("local");
 }
 
 }  // namespace ldp

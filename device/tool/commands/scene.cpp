@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "device/tool/commands.h"
@@ -15,12 +16,14 @@
 namespace ldp {
 namespace {
 
+constexpr double kShade = 0.15;  // of half of the scene, where exposure is automatic
 constexpr double kDegree = std::numbers::pi / 180;
 
 struct SceneCommand {
   SceneCaptureOptions scene;
   std::string output, size = "800x600";
-  double arc_deg = 180, fov_deg = 58, jitter_deg = 1.2;
+  double arc_deg = 180, fov_deg = 58, jitter_deg = 1.2, heading_deg = 0;
+  std::optional<double> shade;
   bool no_novel = false, list = false;
 };
 
@@ -31,12 +34,16 @@ int run(SceneCommand command, const Session& session) {
   }
   if (command.scene.scene.empty()) throw BadInput("no scene is named: give one of those that --list shows");
   if (command.output.empty()) throw BadInput("no output folder is named: add -o DIR");
+  if (command.scene.around.width % 2 != 0)
+    throw BadInput("--around " + std::to_string(command.scene.around.width) + ": give an even number");
+  command.scene.around.heading_rad = command.heading_deg * kDegree;
   parse_size(command.size, command.scene.path.width, command.scene.path.height);
   command.scene.path.arc_rad = command.arc_deg * kDegree;
   command.scene.path.fov_rad = command.fov_deg * kDegree;
   command.scene.path.angle_jitter_rad = command.jitter_deg * kDegree;
   command.scene.path.seed = command.scene.seed;
   command.scene.novel_views = !command.no_novel;
+  command.scene.shade = command.shade.value_or(command.scene.meters ? kShade : 1);
   make_scene(command.scene.scene, command.scene.seed);  // an unknown name is refused before anything is written
   OutputFolder folder(command.output, OutputFolder::Existing::refuse);
   ProgressBar bar(session.progress_fd);
@@ -79,6 +86,14 @@ void add_scene(Program& program) {
   app.add_option("--exposure-drift", command->scene.exposure_drift, "Largest relative change of exposure")
       ->check(number_within(0.0, 0.9))
       ->capture_default_str();
+  app.add_option_function<std::string>(
+         "--exposure", [command](const std::string& name) { command->scene.meters = name == "auto"; },
+         "fixed, or auto: each picture is well exposed by itself, novel ones too, and half of the scene lies in shade")
+      ->check(CLI::IsMember({"fixed", "auto"}))
+      ->default_str("fixed");
+  app.add_option("--shade", command->shade,
+                 "Share of the light that the left half has [0.15 with --exposure auto, or 1]")
+      ->check(number_within(0.01, 1.0));
   app.add_option("--noise", command->scene.noise, "Sensor noise, deviation in levels of 255")
       ->check(number_within(0.0, 50.0))
       ->capture_default_str();
@@ -89,6 +104,17 @@ void add_scene(Program& program) {
       ->check(number_within(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--seed", command->scene.seed, "Of the scene, the hand and the noise")->capture_default_str();
+  app.add_option("--around", command->scene.around.width,
+                 "Also what is seen all around from the arc's centre, so many pixels a turn (an even number): by one "
+                 "eye with distances, and by two (around/)")
+      ->check(CLI::Range(64, 16384));
+  app.add_option("--heading", command->heading_deg,
+                 "Where the middle of it looks, degrees to the right of the sweep's middle")
+      ->check(number_within(-360.0, 360.0))
+      ->capture_default_str();
+  app.add_option("--eyes", command->scene.around.eyes, "Distance of the two eyes, metres")
+      ->check(number_within(0.0, 1.0))
+      ->capture_default_str();
   app.add_flag("--no-novel", command->no_novel, "Leave the novel views out");
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "device/backends/open.h"
+#include "device/gallery/cut_files.h"
 #include "device/gallery/gallery.h"
 #include "device/gallery/http/server.h"
 #include "device/tool/commands.h"
@@ -40,22 +41,32 @@ gallery::Folder open_folder(const std::string& folder) {
   }
 }
 
+// An address that can never be one is refused; a network that is not there yet is waited for.
+gallery::LiveFeed::Open opener_of(const std::string& status) {
+  if (status.empty()) return {};
+  check_status(status);
+  return [status] { return open_status_listener(status); };
+}
+
 int run(const ServeCommand& command, const Session& session) {
   const gallery::Folder folder = open_folder(command.folder);
   gallery::GalleryOptions options{token_in(command.token_file), {}};
   if (command.memory_bytes > 0) options.conversions.memory_bytes = command.memory_bytes;
   UniqueFd listening = gallery::inherited_socket();
   if (!listening.is_open()) listening = gallery::listen_on(command.listen);
-  gallery::LiveFeed feed(command.status.empty() ? nullptr : open_status_listener(command.status));
+  gallery::LiveFeed feed(opener_of(command.status));
   Job job;
   job.threads = session.thread_count();
   job.stop = session.stop;
+  gallery::read_cut_files_as_zeros();
   gallery::Gallery gallery(folder, feed, options, job);
-  std::printf("%s shows %s\n", gallery::address_of(listening.get()).c_str(), command.folder.c_str());
-  std::fflush(stdout);
+  const auto say_where = [&] {
+    std::printf("%s shows %s\n", gallery::address_of(listening.get()).c_str(), command.folder.c_str());
+    std::fflush(stdout);
+  };
   gallery::serve(listening.get(),
                  {[&](const gallery::Asked& asked) { return gallery.answer(asked); },
-                  [&](UniqueFd follower) { feed.add(std::move(follower)); }},
+                  [&](UniqueFd follower) { feed.add(std::move(follower)); }, say_where},
                  session.stop);
   return kDone;
 }

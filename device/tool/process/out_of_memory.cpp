@@ -32,7 +32,7 @@ bool memory_ended() {
 void end() {
   if (memory_ended()) {
     std::free(reserve.exchange(nullptr));
-    cut_off(kCannotBeDone, *said);
+    cut_off(kTryAgain, *said);
   }
   otherwise();
 }

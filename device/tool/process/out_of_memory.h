@@ -5,7 +5,7 @@
 
 namespace ldp {
 
-// From now on such an end says `line`, leaves no temporary files and has exit status 1. What else ends the program
+// From now on such an end says `line`, leaves no temporary files and has exit status 75. What else ends the program
 // unasked is told as ever, by the C++ library and a signal.
 void say_when_memory_ends(const std::string& line);
 

@@ -214,6 +214,28 @@ TEST(PoseEstimator, BeginsAnewWhenItsFramesAreNotTheFirstOfTheSource) {
   EXPECT_TRUE(same_bytes(estimated(), estimate_poses(Photos(images), std::move(too_many), Job{})));
 }
 
+// The photos were cropped after it was written, or enlarged.
+TEST(EstimatePoses, TellsOfExifThatSpeaksOfAnotherLens) {
+  class WithExif : public Photos {
+   public:
+    WithExif(const std::vector<RgbImage>& images, double hint) : Photos(images), hint_(hint) {}
+    std::optional<double> focal_hint(int /*index*/) const override { return hint_; }
+
+   private:
+    double hint_;
+  };
+  const std::vector<RgbImage>& images = rendered(0.65).images;
+  const Intrinsics truth = estimated().cameras[0].intrinsics;
+  const auto with = [&](double factor) {
+    return estimate_poses(WithExif(images, factor * truth.fx / truth.width), PosesOptions{}, Job{});
+  };
+  EXPECT_EQ(wrong_exif_lens(with(1.1).report), "");
+  EXPECT_EQ(wrong_exif_lens(estimated().report), "");
+  const Poses wrong = with(1.5);
+  EXPECT_NEAR(wrong.cameras[0].intrinsics.fx / truth.fx, 1, 0.01);
+  EXPECT_THAT(wrong_exif_lens(wrong.report), HasSubstr("EXIF tells a focal length of 1.5"));
+}
+
 TEST(EstimatePoses, RecognisesARotationOnTheSpot) {
   const Poses poses = estimate_poses(Photos(rendered(0).images), PosesOptions{}, Job{});
   EXPECT_EQ(poses.report.motion, Motion::rotation);

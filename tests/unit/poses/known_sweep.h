@@ -59,14 +59,34 @@ inline Bundle true_bundle(MotionModel model) {
   return bundle;
 }
 
+// Sixteen cameras all round, the last of which sees half of what the first one does.
+inline Bundle full_turn_bundle() {
+  std::mt19937 random(7);
+  Bundle bundle;
+  bundle.lens = {700, 0, 0};
+  for (int i = 0; i < 16; ++i) {
+    const Eigen::Matrix3d r = turn(0, 22.5 * i, 0);
+    bundle.cameras.push_back({r, r.col(2)});
+  }
+  for (int i = 0; i < 1500; ++i) {
+    const double azimuth = uniform(random, 0, 360), elevation = uniform(random, -20, 20);
+    bundle.points.push_back({turn(elevation, azimuth, 0).col(2), uniform(random, 0.05, 0.2)});
+    for (int c = 0; c < 16; ++c) {
+      const Projection p = project_point(bundle.cameras[static_cast<size_t>(c)], bundle.lens, bundle.points.back());
+      if (p.in_front && p.position_px.cwiseAbs().maxCoeff() < 400) bundle.observations.push_back({c, i, p.position_px});
+    }
+  }
+  return bundle;
+}
+
 // A sweep whose features and matches are those of a known bundle.
 struct KnownSweep {
   MatchedSweep sweep;
   Reconstruction found;
   std::vector<std::string> names;
 
-  KnownSweep() {
-    found.bundle = true_bundle(MotionModel::free);
+  explicit KnownSweep(Bundle bundle = true_bundle(MotionModel::free)) {
+    found.bundle = std::move(bundle);
     const size_t frames = found.bundle.cameras.size();
     found.left_out.resize(frames);
     found.tracks.resize(found.bundle.points.size());

@@ -67,7 +67,20 @@ TEST(Doubt, NamesThePlaceThatFewPointsBridge) {
     const bool bridges = track.size() > 1 && track.front().frame < 4 && track.back().frame >= 4;
     if (bridges && ++left > 5) std::erase_if(track, [](const Observation& o) { return o.frame < 4; });
   }
-  EXPECT_THAT(known.doubted(), HasSubstr("points tie photo 3 and photo 4 together"));
+  EXPECT_THAT(known.doubted(), HasSubstr("points tie photo 3 and photo 4 together, 28 degrees from the first"));
+}
+
+TEST(Doubt, NamesTheSeamOfAFullTurnThatFewPointsClose) {
+  KnownSweep known(full_turn_bundle());
+  EXPECT_EQ(known.doubted(), "");
+  int left = 0;
+  for (Track& track : known.found.tracks) {
+    const bool bridges = track.front().frame <= 4 && track.back().frame >= 11;
+    if (bridges && ++left > 3) std::erase_if(track, [](const Observation& o) { return o.frame <= 4; });
+  }
+  EXPECT_THAT(known.doubted(), HasSubstr("only 3 points tie photo 15 and photo 0 together, where the turn closes "
+                                         "(338 degrees"));
+  EXPECT_EQ(doubt(known.sweep, known.found, known.names, false).kind, PoseDoubt::loose);
 }
 
 TEST(Doubt, TellsOfStepsThatNoThirdPhotoCompares) {

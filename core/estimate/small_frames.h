@@ -1,0 +1,39 @@
+// The frames of a source scaled down and kept in memory: together they take a few megabytes.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/job.h"
+#include "core/geometry/geometry.h"
+#include "core/photos/frame_source.h"
+
+namespace ldp {
+
+class SmallFrames final : public FrameSource {
+ public:
+  // Each frame has at most so many pixels. Loads every frame once.
+  SmallFrames(const FrameSource& source, int64_t most_pixels, const Job& job);
+
+  int size() const override { return static_cast<int>(frames_.size()); }
+  std::string name(int index) const override { return source_.name(index); }
+  RgbImage load(int index) const override { return frames_.at(static_cast<size_t>(index)); }
+  std::optional<double> focal_hint(int index) const override { return source_.focal_hint(index); }
+
+  double scale() const { return scale_; }  // from this one's pixels to those of the source; at least 1
+  int full_width() const { return full_width_; }
+  int full_height() const { return full_height_; }
+
+ private:
+  const FrameSource& source_;
+  std::vector<RgbImage> frames_;
+  double scale_ = 1;
+  int full_width_ = 0, full_height_ = 0;
+};
+
+// Cameras of the source's frames, for these.
+std::vector<Camera> fitted(std::vector<Camera> cameras, const SmallFrames& frames);
+
+}  // namespace ldp

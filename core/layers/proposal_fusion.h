@@ -1,0 +1,40 @@
+// Fuses depth maps: which of two the photographs contradict less, place by place. (Fusion of proposals, Lempitsky et
+// al. 2010, chosen by what every camera sees under both instead of by an energy of rays: only so does a surface pay for
+// what it hides.)
+//
+// Takes a dense layer, and other depth maps on its grid as proposals, one after another. Does not make proposals.
+#pragma once
+
+#include <vector>
+
+#include "core/base/job.h"
+#include "core/geometry/disparity.h"
+#include "core/geometry/geometry.h"
+#include "core/layers/map_painter.h"
+#include "core/layers/photo_consistency.h"
+#include "core/photos/upright_frame.h"
+
+namespace ldp {
+
+class ProposalFusion {
+ public:
+  // Both must outlive it.
+  ProposalFusion(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames);
+
+  // Where `proposal` has another surface than the layer, the layer takes it over if the photographs, compared with each
+  // other over both, contradict it less: summed over the pixels within `reach_px` of it, both ways, that would come
+  // nearer, or of those that would go farther, as it does.
+  void fuse(const DisparityMap& proposal, int reach_px, const Job& job, DisparityMap& layer);
+
+ private:
+  Plane<uint8_t> changes(const DisparityMap& layer, const DisparityMap& proposal) const;
+  Plane<int32_t> gains(const Plane<uint8_t>& changes, const DisparityMap& layer, const DisparityMap& proposal,
+                       const Job& job);
+
+  const PanoramaGrid& grid_;
+  const std::vector<UprightFrame>& frames_;
+  layers::PhotoConsistency photos_;
+  layers::PaintedViews memory_;
+};
+
+}  // namespace ldp

@@ -1,0 +1,53 @@
+// How much work a build does: each level is one row of a table, and nothing else asks for the level.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ldp {
+
+enum class Effort : uint8_t { fast, standard, best };
+
+struct EffortOptions {
+  std::string_view name;  // as on the command line
+  int iterations;         // 1 .. 4, see BuildOptions
+  int substeps;           // depths tried inside each label's interval, in the last iteration
+  int cycles;             // of expansion after message passing, for depth and for colour
+  // What the photographs are asked, pixel by pixel, whether it suits them better: the farthest surface within so many
+  // pixels, then the surfaces so many pixels to the left, the right, above and below.
+  std::span<const int> background_px, propagation_px;
+};
+
+namespace efforts {  // figures: decisions.md
+inline constexpr std::array kFastPropagationPx{6};
+inline constexpr std::array kStandardPropagationPx{8, 3};
+inline constexpr std::array kBestBackgroundPx{40};
+inline constexpr std::array kBestPropagationPx{16, 8, 4, 2, 12, 6, 3, 1};
+inline constexpr std::array<EffortOptions, 3> kTable = {{
+    {"fast", 1, 4, 0, {}, kFastPropagationPx},
+    {"standard", 2, 8, 1, {}, kStandardPropagationPx},
+    {"best", 2, 16, 1, kBestBackgroundPx, kBestPropagationPx},
+}};
+}  // namespace efforts
+
+constexpr const EffortOptions& options_of(Effort effort) { return efforts::kTable[static_cast<size_t>(effort)]; }
+
+inline std::vector<std::string> effort_names() {
+  std::vector<std::string> names;
+  for (const EffortOptions& effort : efforts::kTable) names.emplace_back(effort.name);
+  return names;
+}
+
+constexpr std::optional<Effort> effort_named(std::string_view name) {
+  for (size_t i = 0; i < efforts::kTable.size(); ++i)
+    if (efforts::kTable[i].name == name) return static_cast<Effort>(i);
+  return {};
+}
+
+}  // namespace ldp

@@ -1,0 +1,218 @@
+#include "device/card/card_settings.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "device/backends/open.h"
+#include "device/service/config/config_checks.h"
+#include "device/service/config/toml_text.h"
+
+namespace ldp {
+namespace {
+
+constexpr std::array<std::pair<const char*, Network>, 4> kNetworks = {{{"none", Network::none},
+                                                                       {"cable", Network::cable},
+                                                                       {"wifi", Network::wifi},
+                                                                       {"access-point", Network::access_point}}};
+constexpr double kLeastArm_m = 0.05, kLongestArm_m = 10;  // as the service's own configuration has it
+constexpr size_t kLongestName = 63;                       // of a host, in DNS
+constexpr size_t kLongestSsid = 32, kShortestPassword = 8, kLongestPassword = 63;
+
+bool is_letter_or_digit(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); }
+
+// What is wrong with a value, empty = nothing.
+using Complaint = std::string;
+
+Complaint wrong_name(const std::string& name) {
+  const bool good = !name.empty() && name.size() <= kLongestName && name.front() != '-' && name.back() != '-' &&
+                    std::all_of(name.begin(), name.end(), [](char c) { return is_letter_or_digit(c) || c == '-'; });
+  return good ? "" : "expected 1 to 63 letters, digits and hyphens, as in 'panorama'";
+}
+
+Complaint wrong_ssid(const std::string& ssid) {
+  const bool good = !ssid.empty() && ssid.size() <= kLongestSsid;
+  return good ? "" : "expected the network's name, 1 to 32 characters";
+}
+
+Complaint wrong_password(const std::string& password) {
+  const bool good = password.size() >= kShortestPassword && password.size() <= kLongestPassword &&
+                    std::all_of(password.begin(), password.end(), [](char c) { return c >= ' ' && c <= '~'; });
+  return good ? "" : "expected 8 to 63 characters without accents";
+}
+
+Complaint wrong_country(const std::string& country) {
+  const bool good =
+      country.size() == 2 && std::all_of(country.begin(), country.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+  return good ? "" : "expected two capital letters, as in 'DE'";
+}
+
+std::string line_url(const char* scheme, const std::string& line) {
+  return scheme + (line.find('/') == std::string::npos ? "name=" + line : line);
+}
+
+// A line's name goes into a URL, whose own signs it must not hold.
+Complaint wrong_line(const std::string& line) {
+  const bool good = !line.empty() && line.find_first_of("?&= ") == std::string::npos;
+  return good ? "" : "expected the GPIO line's number, as in 17, or its name, as in 'GPIO17' or 'gpiochip0/17'";
+}
+
+Complaint wrong_button(const std::string& line) {
+  Complaint wrong = wrong_line(line);
+  return wrong.empty() ? complaint_of(check_button, line_url("gpiod:", line)) : wrong;
+}
+
+Complaint wrong_led(const std::string& line) {
+  const Complaint wrong = line.empty() ? "" : wrong_line(line);
+  return wrong.empty() && !line.empty() ? complaint_of(check_status, line_url("led:", line)) : wrong;
+}
+
+class CardReader {
+ public:
+  explicit CardReader(CheckedCard& checked) : checked_(checked), settings_(checked.settings) { declare(); }
+
+  void read_all(const toml::table& table) {
+    read(table, "");
+    check_network();
+  }
+
+ private:
+  using Check = std::function<Complaint(const std::string&)>;
+
+  void declare() {
+    text("name", settings_.name, wrong_name);
+    text("camera", settings_.camera, [](const std::string& url) { return complaint_of(check_camera, url); });
+    text("effort", settings_.effort, [](const std::string& name) { return complaint_of(check_effort, name); });
+    keys_["arm_length_m"] = [this](const toml::node& node) { return read_arm(node); };
+    keys_["gallery"] = [this](const toml::node& node) {
+      const auto value = node.value_exact<bool>();
+      settings_.gallery = value.value_or(settings_.gallery);
+      return Complaint(value ? "" : "expected true or false");
+    };
+    line("button.line", settings_.button_line, wrong_button);
+    word("button.mode", "expected 'hold' or 'toggle'", [this](const std::string& mode) {
+      settings_.button_mode = mode == "toggle" ? ButtonMode::toggle : ButtonMode::hold;
+      return mode == "toggle" || mode == "hold";
+    });
+    line("led.line", settings_.led_line, wrong_led);
+    word("network.kind", "expected 'none', 'cable', 'wifi' or 'access-point'", [this](const std::string& kind) {
+      const auto found =
+          std::find_if(kNetworks.begin(), kNetworks.end(), [&](const auto& one) { return kind == one.first; });
+      if (found != kNetworks.end()) settings_.network = found->second;
+      return found != kNetworks.end();
+    });
+    text("network.ssid", settings_.ssid, wrong_ssid);
+    text("network.password", settings_.password, wrong_password);
+    text("network.country", settings_.country, wrong_country);
+  }
+
+  void read(const toml::table& table, const std::string& prefix) {
+    for (const auto& [name, node] : table) {
+      const std::string full = prefix + std::string(name.str());
+      const toml::table* const section = node.as_table();
+      if (section != nullptr && prefix.empty() && (full == "button" || full == "led" || full == "network")) {
+        read(*section, full + ".");
+        continue;
+      }
+      const auto key = keys_.find(full);
+      if (key == keys_.end()) {
+        add(line_of(name), "unknown " + std::string(section != nullptr ? "section" : "key") + " '" + full + "'");
+        continue;
+      }
+      lines_[full] = line_of(name);
+      const Complaint wrong = key->second(node);
+      if (!wrong.empty()) add(lines_[full], full + ": " + wrong);
+    }
+  }
+
+  // A password without a network's name, or the other way round.
+  void check_network() {
+    const bool wireless = settings_.network == Network::wifi || settings_.network == Network::access_point;
+    for (const char* key : {"network.ssid", "network.password", "network.country"}) {
+      const bool given = lines_.contains(key);
+      const char* const name = key + std::string_view("network.").size();
+      if (wireless && !given) add(lines_["network.kind"], std::string("network.") + name + " is missing");
+      if (!wireless && given && !is_wrong("network.kind"))
+        add(lines_[key], std::string(key) + ": is for network.kind = 'wifi' or 'access-point'");
+    }
+  }
+
+  void text(const char* key, std::string& field, const Check& check) {
+    keys_[key] = [&field, check](const toml::node& node) {
+      const auto value = node.value_exact<std::string>();
+      if (!value) return Complaint("expected a text in quotes");
+      Complaint wrong = check(*value);
+      if (wrong.empty()) field = *value;
+      return wrong;
+    };
+  }
+
+  // A GPIO line by its number on the board's header or by a name.
+  void line(const char* key, std::string& field, const Check& check) {
+    keys_[key] = [&field, check](const toml::node& node) {
+      const auto number = node.value_exact<int64_t>();
+      const auto value = number ? "GPIO" + std::to_string(*number) : node.value_exact<std::string>();
+      Complaint wrong = !value || number.value_or(0) < 0 ? wrong_line("") : check(*value);
+      if (wrong.empty()) field = *value;
+      return wrong;
+    };
+  }
+
+  void word(const char* key, const char* expected, const std::function<bool(const std::string&)>& keep) {
+    keys_[key] = [expected, keep](const toml::node& node) {
+      const auto value = node.value_exact<std::string>();
+      return Complaint(value && keep(*value) ? "" : expected);
+    };
+  }
+
+  Complaint read_arm(const toml::node& node) {
+    const auto value = node.value<double>();
+    if (!value || !std::isfinite(*value) || *value < kLeastArm_m || *value > kLongestArm_m)
+      return "expected metres, a number from 0.05 to 10";
+    settings_.arm_length_m = *value;
+    return {};
+  }
+
+  static int line_of(const toml::key& name) { return static_cast<int>(name.source().begin.line); }
+
+  bool is_wrong(const std::string& key) const {
+    return std::any_of(checked_.mistakes.begin(), checked_.mistakes.end(),
+                       [&](const ConfigMistake& mistake) { return mistake.text.starts_with(key + ":"); });
+  }
+
+  void add(int line, std::string text) { checked_.mistakes.push_back({line, std::move(text)}); }
+
+  CheckedCard& checked_;
+  CardSettings& settings_;
+  std::map<std::string, std::function<Complaint(const toml::node&)>> keys_;
+  std::map<std::string, int> lines_;  // of the keys that are there
+};
+
+}  // namespace
+
+std::string button_url(const CardSettings& settings) {
+  return line_url("gpiod:", settings.button_line) + "?active_low=yes&bias=pull-up";
+}
+
+std::string led_url(const CardSettings& settings) {
+  return settings.led_line.empty() ? "" : line_url("led:", settings.led_line);
+}
+
+CheckedCard parse_card(const std::string& toml_text) {
+  CheckedCard checked;
+  try {
+    const toml::table table = toml::parse(toml_text);
+    CardReader(checked).read_all(table);
+  } catch (const toml::parse_error& error) {
+    checked.mistakes.push_back({static_cast<int>(error.source().begin.line), std::string(error.description())});
+  }
+  std::stable_sort(checked.mistakes.begin(), checked.mistakes.end(),
+                   [](const ConfigMistake& a, const ConfigMistake& b) { return a.line < b.line; });
+  return checked;
+}
+
+}  // namespace ldp

@@ -1,0 +1,1 @@
+ldp_test(local_exposure_test SOURCES local_exposure_test.cpp USES ldp_rectify ldp_colour ldp_panorama)
