@@ -8,6 +8,7 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "core/base/files.h"
 #include "core/captures/transforms.h"
@@ -17,6 +18,7 @@
 #include "core/view/framing.h"
 #include "device/tool/commands.h"
 #include "device/tool/commands/film.h"
+#include "device/tool/exr/exr_view.h"
 #include "device/tool/number_within.h"
 #include "device/tool/output.h"
 #include "device/tool/own_output.h"
@@ -34,6 +36,7 @@ struct RenderCommand {
   int frames = 90;
   double fov_deg = 0;
   RenderOptions options;
+  bool pfm = false, exr = false;  // also written of each view
   bool even = false;
 };
 
@@ -67,13 +70,11 @@ bool is_a_view(const fs::path& png) { return fs::is_regular_file(png) && png_sof
 void keep_photos(const RenderCommand& command, const std::vector<Camera>& cameras) {
   for (const Camera& camera : cameras) {
     const fs::path stem = fs::path(command.output) / fs::path(camera.name).stem();
-    fs::path view = stem, depth = stem;
-    view += ".png", depth += ".pfm";
-    for (const fs::path& file : {view, depth}) {
-      if (file == depth && !command.options.depth) continue;
-      if (fs::exists(file) && !is_a_view(view))
+    fs::path view = stem, pfm = stem, exr = stem;
+    view += ".png", pfm += ".pfm", exr += ".exr";
+    for (const auto& [file, wanted] : {std::pair(view, true), {pfm, command.pfm}, {exr, command.exr}})
+      if (wanted && fs::exists(file) && !is_a_view(view))
         throw BadInput(file.string() + ": is there already and is no view: name another folder");
-    }
   }
 }
 
@@ -100,7 +101,7 @@ void add(const View& view, Rendered& totals) {
 // A path's views are numbered: those that a longer one left would pass for the end of this one.
 void refuse_longer_path(const RenderCommand& command) {
   const fs::path next = fs::path(command.output) / path_view_name(command.frames);
-  for (const char* ending : {".png", ".pfm"}) {
+  for (const char* ending : {".png", ".pfm", ".exr"}) {
     fs::path left = next;
     left += ending;
     if (fs::exists(left))
@@ -118,7 +119,8 @@ Rendered render_pictures(const RenderCommand& command, const Renderer& renderer,
     const std::string stem = fs::path(camera.name).stem().string();
     folder.fill([&] {
       write_file(folder.path() / (stem + ".png"), encode_png(view.colour, view.alpha, kRendered));
-      if (command.options.depth) write_file(folder.path() / (stem + ".pfm"), encode_pfm(view.depth));
+      if (command.pfm) write_file(folder.path() / (stem + ".pfm"), encode_pfm(view.depth));
+      if (command.exr) write_file(folder.path() / (stem + ".exr"), encode_exr(view));
     });
     add(view, totals);
   }
@@ -145,10 +147,12 @@ Rendered render_film(const RenderCommand& command, const Renderer& renderer, con
 void check(const RenderCommand& command) {
   if (command.cameras.empty() == command.path.empty())
     throw BadInput("give either --cameras FILE or --path sway|walk|dolly");
+  if (command.exr) check_exr_is_built();
   check_input_file(command.input.file);
   if (!command.cameras.empty()) check_input_file(command.cameras);
   if (names_a_film(command.output)) {
-    if (command.options.depth) throw BadInput("--depth: a film has no depth: give a folder to -o");
+    if (command.options.depth)
+      throw BadInput(std::string(command.pfm ? "--depth" : "--exr") + ": a film has no depth: give a folder to -o");
     return check_output_file(command.output, OutputKind::film);
   }
   { const OutputFolder refused_before_the_file_is_read(command.output, OutputFolder::Existing::merge); }
@@ -158,7 +162,7 @@ void check(const RenderCommand& command) {
 void check_view(const RenderCommand& command, const Camera& camera) {
   const Intrinsics& k = camera.intrinsics;
   const uint64_t pixels = static_cast<uint64_t>(k.width) * static_cast<uint64_t>(k.height);
-  check_memory(command.input, kBytesOfView * pixels,
+  check_memory(command.input, (kBytesOfView + (command.exr ? kBytesOfExr : 0)) * pixels,
                "the view " + camera.name + " of " + std::to_string(k.width) + "x" + std::to_string(k.height));
 }
 
@@ -180,7 +184,8 @@ void print_summary(const RenderCommand& command, const Rendered& totals, bool js
   }
 }
 
-int run(const RenderCommand& command, const Session& session) {
+int run(RenderCommand command, const Session& session) {
+  command.options.depth = command.pfm || command.exr;
   check(command);
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
@@ -219,7 +224,8 @@ void add_render(Program& program) {
   app.add_option("--fov", command->fov_deg, "Horizontal field of view along the path, degrees; 0 = that of the photos")
       ->check(number_within(0.0, 150.0))
       ->excludes("--cameras");
-  app.add_flag("--depth", command->options.depth, "Also write z-depth, as .pfm");
+  app.add_flag("--depth", command->pfm, "Also write z-depth, as .pfm");
+  app.add_flag("--exr", command->exr, "Also write linear colour, alpha and z-depth together, as OpenEXR's .exr");
   app.add_option("--layers", command->options.layers, "Draw at most so many layers")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
