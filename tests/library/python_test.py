@@ -1,6 +1,8 @@
 """The Python package: what it shows is what the program `ldp` writes, to the byte; errors, Ctrl-C, threads.
 
-  PYTHONPATH=build/release/device/python python_test.py LDP_PROGRAM GOLDEN_FOLDER
+  PYTHONPATH=build/release/device/python python_test.py LDP_PROGRAM GOLDEN_FOLDER [CLASS...]
+
+Files and Refusals need neither the program nor PIL.
 """
 import json
 import os
@@ -14,7 +16,6 @@ import time
 import unittest
 
 import numpy as np
-from PIL import Image
 
 import ldp
 
@@ -32,6 +33,8 @@ def pfm(file):
 
 def rendered(*options):
     """{name: (rgba, depth)} of `ldp render`."""
+    from PIL import Image
+
     with tempfile.TemporaryDirectory() as room:
         subprocess.run([PROGRAM, "render", BLOCKS, "--depth", "-o", f"{room}/views", *options], check=True,
                        stdout=subprocess.DEVNULL)
@@ -219,4 +222,4 @@ class Interrupts(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:])

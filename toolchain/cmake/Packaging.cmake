@@ -1,5 +1,5 @@
-# The Debian packages: the programs with service files, message types and man pages; libldp0, libldp-dev and python3-ldp.
-# Made by toolchain/package, which also works out the dependencies from what each really needs on its own architecture.
+# The Debian packages: the programs with service files, message types and man pages; libldp0, libldp-dev, python3-ldp and,
+# where there is doxygen, libldp-doc. Made by toolchain/package, which also works out the dependencies from what each really needs on its own architecture.
 include(GNUInstallDirs)
 set(LDP_DEB_ARCH "amd64" CACHE STRING "Debian's name of the target architecture")
 
@@ -23,6 +23,17 @@ install(FILES ${PROJECT_SOURCE_DIR}/core/panorama/file/FORMAT.md DESTINATION ${C
 set(libraries libldp0 libldp-dev)
 if(TARGET ldp_python)
   list(APPEND libraries python3-ldp)
+endif()
+find_program(DOXYGEN doxygen)
+if(DOXYGEN)
+  list(APPEND libraries libldp-doc)
+  set(reference ${CMAKE_CURRENT_BINARY_DIR}/reference)
+  add_custom_target(reference ALL COMMAND ${PROJECT_SOURCE_DIR}/toolchain/reference ${reference} VERBATIM)
+  install(DIRECTORY ${reference}/html DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libldp-doc COMPONENT libldp-doc)
+  install(FILES ${PROJECT_SOURCE_DIR}/core/panorama/file/FORMAT.md ${PROJECT_SOURCE_DIR}/device/examples/RECIPES.md
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libldp-doc COMPONENT libldp-doc)
+else()
+  message(STATUS "libldp-doc is not made: doxygen is absent (toolchain/setup doc)")
 endif()
 foreach(package ${libraries})
   install(FILES ${deb}/copyright ${CMAKE_CURRENT_BINARY_DIR}/changelog.gz
@@ -64,14 +75,22 @@ set(CPACK_DEBIAN_LIBLDP0_PACKAGE_CONTROL_EXTRA "${CMAKE_CURRENT_BINARY_DIR}/deb/
 set(CPACK_DEBIAN_LIBLDP-DEV_PACKAGE_NAME libldp-dev)
 set(CPACK_DEBIAN_LIBLDP-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBLDP-DEV_PACKAGE_DEPENDS "libldp0 (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_LIBLDP-DEV_PACKAGE_SUGGESTS libldp-doc)
 set(CPACK_DEBIAN_LIBLDP-DEV_DESCRIPTION "What programs in C, or that call C, need to be built with libldp0: ldp.h, files
 for CMake and pkg-config, and the description of the file format.")
 
 set(CPACK_DEBIAN_PYTHON3-LDP_PACKAGE_NAME python3-ldp)
 set(CPACK_DEBIAN_PYTHON3-LDP_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON3-LDP_PACKAGE_RECOMMENDS layered-depth-panorama)
+set(CPACK_DEBIAN_PYTHON3-LDP_PACKAGE_SUGGESTS libldp-doc)
 set(CPACK_DEBIAN_PYTHON3-LDP_DESCRIPTION "For Python: planes of layers and rendered views as numpy arrays; building panoramas from
 photographs takes the programs of layered-depth-panorama.")
+
+set(CPACK_DEBIAN_LIBLDP-DOC_PACKAGE_NAME libldp-doc)
+set(CPACK_DEBIAN_LIBLDP-DOC_PACKAGE_SECTION doc)
+set(CPACK_DEBIAN_LIBLDP-DOC_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_LIBLDP-DOC_DESCRIPTION "The reference of the C, C++ and Python interfaces as pages, the description of the file
+format, and recipes of commands.")
 
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
