@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/base/processor_time.h"
 #include "core/estimate/estimate_tuning.h"
@@ -17,10 +17,20 @@ namespace {
 
 using namespace estimate;  // tuned constants
 
+// What is asked for, and the poses of the photos as they are: scaled down they would be posed otherwise where steps are
+// wide, or show parallax where there is none.
+struct Posed {
+  const FrameSource& frames;
+  const BuildOptions& options;
+  const LdpEncodeOptions& encoding;
+  Poses poses;
+  double worked_s = 0;
+};
+
 struct SmallBuild {
   std::unique_ptr<SmallFrames> frames;
   BuildResult result;
-  size_t file_bytes = 0;
+  std::vector<LdpChunk> chunks;  // of its file
   double loading_s = 0, encoding_s = 0;
 };
 
@@ -29,45 +39,59 @@ double lap(double& last) {
   return now - std::exchange(last, now);
 }
 
-SmallBuild build_small(const FrameSource& frames, const BuildOptions& options, const LdpEncodeOptions& encoding,
-                       int64_t pixels, const Job& job) {
+Posed pose(const FrameSource& frames, const BuildOptions& options, const LdpEncodeOptions& encoding, const Job& job) {
+  double last = processor_seconds();
+  Posed posed{frames, options, encoding, {}};
+  posed.poses = options.cameras.empty() ? estimate_poses(frames, options.poses, job)
+                                        : triangulate(frames, options.cameras, options.poses, job);
+  posed.worked_s = lap(last);
+  return posed;
+}
+
+SmallBuild build_small(const Posed& posed, int64_t pixels, const Job& job) {
   SmallBuild small;
   double last = processor_seconds();
-  small.frames = std::make_unique<SmallFrames>(frames, pixels, job);
+  small.frames = std::make_unique<SmallFrames>(posed.frames, pixels, job);
   small.loading_s = lap(last);
-  BuildOptions smaller = options;
-  smaller.cameras = fitted(options.cameras, *small.frames);
+  BuildOptions smaller = posed.options;
   smaller.memory_bytes = 0;
   smaller.scratch_directory.clear();
-  small.result = build(*small.frames, smaller, job);
+  small.result = build(*small.frames, smaller, job, fitted(posed.poses, *small.frames));
   lap(last);
-  small.file_bytes = encode_ldp(small.result.panorama, encoding, job).size();
+  small.chunks = describe_ldp(encode_ldp(small.result.panorama, posed.encoding, job)).chunks;
   small.encoding_s = lap(last);
   return small;
 }
 
-// With photos as small as can be posed.
-SmallBuild build_as_small_as_possible(const FrameSource& frames, const BuildOptions& options,
-                                      const LdpEncodeOptions& encoding, const Job& job) {
+// With photos as small as can be built of.
+SmallBuild build_as_small_as_possible(const Posed& posed, const Job& job) {
+  const Intrinsics& whole = posed.poses.cameras.front().intrinsics;
   for (int64_t pixels = kSmallPixels;; pixels *= kMorePixels) {
-    const RgbImage first = frames.load(0);
     try {
-      return build_small(frames, options, encoding, pixels, job);
+      return build_small(posed, pixels, job);
     } catch (const Impossible&) {
-      if (pixels >= int64_t{first.width} * first.height) throw;
+      if (pixels >= int64_t{whole.width} * whole.height) throw;
     }
   }
 }
 
-// Seconds of the build proper, from those of its parts in the small one.
-double processor_seconds_of(const SmallBuild& small, double scale) {
-  const SmallFrames& frames = *small.frames;
-  const double working = std::min(1.0, 1.0 * kPosesSide_px / std::max(frames.full_width(), frames.full_height()));
-  const double pixels = scale * scale, poses_pixels = std::max(1.0, pixels * working * working);
-  double seconds = kLoads * small.loading_s + small.encoding_s * pixels;
-  for (const auto& [stage, worked] : small.result.report.processor_seconds)
-    seconds += worked * (stage == "poses" ? std::pow(poses_pixels, kPosesGrowth) : pixels);
+// Seconds of the build proper, from those of its parts after the poses in the small one.
+double processor_seconds_of(const SmallBuild& small, double posing_s, double scale) {
+  const double pixels = scale * scale;
+  double seconds = posing_s + kLoads * small.loading_s + small.encoding_s * pixels;
+  for (const auto& [stage, worked] : small.result.report.processor_seconds) seconds += worked * pixels;
   return seconds;
+}
+
+// Cameras, figures and thumbnail are as large in the small file.
+size_t file_bytes_of(const SmallBuild& small, double scale) {
+  const double pixels = scale * scale;
+  double bytes = 0;
+  for (const LdpChunk& chunk : small.chunks) {
+    const double growth = chunk.type == "COLR" ? kColourGrowth : chunk.strip >= 0 ? kDepthGrowth : 0;
+    bytes += static_cast<double>(chunk.length) * std::pow(pixels, growth);
+  }
+  return static_cast<size_t>(bytes);
 }
 
 // What the build would hold, on a grid whose rows span `pitch` of those it would have without a limit of memory.
@@ -87,7 +111,8 @@ ExpectedMemory memory_of(const SmallBuild& small, double scale, double pitch, in
 BuildEstimate estimate_build(const FrameSource& frames, const BuildOptions& options, const LdpEncodeOptions& encoding,
                              const Job& job) {
   const double begun = processor_seconds();
-  const SmallBuild small = build_as_small_as_possible(frames, options, encoding, job);
+  const Posed posed = pose(frames, options, encoding, job);
+  const SmallBuild small = build_as_small_as_possible(posed, job);
   const size_t allowed = options.memory_bytes > 0 ? options.memory_bytes : kEasyMemory;
   double pitch = 1;
   ExpectedMemory needed = memory_of(small, small.frames->scale(), pitch, options.layers);
@@ -97,12 +122,11 @@ BuildEstimate estimate_build(const FrameSource& frames, const BuildOptions& opti
   }
   const double scale = small.frames->scale() / pitch;
   BuildEstimate estimate;
-  estimate.processor_seconds = processor_seconds_of(small, scale);
+  estimate.processor_seconds = processor_seconds_of(small, posed.worked_s, scale);
   const bool in_files = needed.all > allowed && !options.scratch_directory.empty();
   estimate.memory_bytes = in_files ? std::max(needed.least, allowed) : needed.all;
   estimate.scratch_bytes = in_files ? needed.all - needed.least : 0;
-  estimate.file_bytes =
-      static_cast<size_t>(static_cast<double>(small.file_bytes) * std::pow(scale * scale, kFileGrowth));
+  estimate.file_bytes = file_bytes_of(small, scale);
   estimate.width = static_cast<int>(std::lround(small.result.panorama.grid.width * scale));
   estimate.height = static_cast<int>(std::lround(small.result.panorama.grid.height * scale));
   estimate.spent_seconds = processor_seconds() - begun;

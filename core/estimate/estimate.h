@@ -1,8 +1,8 @@
 // What a build will take, told before it: processor time, memory, bytes of the file.
 //
-// How: the same photographs, scaled down to some 80,000 pixels each, are built, which takes a tenth to a fifth of the
-// time. So the sweep's own motion, depths and layers, and the speed of the machine at the moment, are in the figures;
-// what a photograph's pixels do to each part of them is in estimate_tuning.h. Memory is what the build itself compares
+// How: the photographs are posed as they are, and the rest is built of them scaled down to some 80,000 pixels each. So
+// the sweep's own motion, depths and layers, and the speed of the machine at the moment, are in the figures; what a
+// photograph's pixels do to each part of them is in estimate_tuning.h. Memory is what the build itself compares
 // with what it may take (core/pipeline/memory_budget.h), for the grid that the small one tells.
 #pragma once
 

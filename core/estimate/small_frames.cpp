@@ -22,15 +22,18 @@ SmallFrames::SmallFrames(const FrameSource& source, int64_t most_pixels, const J
   }
 }
 
-std::vector<Camera> fitted(std::vector<Camera> cameras, const SmallFrames& frames) {
+Poses fitted(Poses poses, const SmallFrames& frames) {
   const RgbImage first = frames.load(0);
-  for (Camera& camera : cameras) {
+  const Eigen::Vector2d scale(1.0 * first.width / frames.full_width(), 1.0 * first.height / frames.full_height());
+  for (Camera& camera : poses.cameras) {
     Intrinsics& k = camera.intrinsics;
-    const double x = 1.0 * first.width / k.width, y = 1.0 * first.height / k.height;
-    k.fx *= x, k.cx *= x, k.fy *= y, k.cy *= y;
+    k.fx *= scale.x(), k.cx *= scale.x(), k.fy *= scale.y(), k.cy *= scale.y();
     k.width = first.width, k.height = first.height;
   }
-  return cameras;
+  for (std::vector<Eigen::Vector2d>& point : poses.sightings)
+    for (Eigen::Vector2d& sighting : point) sighting = sighting.cwiseProduct(scale);
+  poses.report.reprojection_px *= scale.x();
+  return poses;
 }
 
 }  // namespace ldp

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/base/job.h"
-#include "core/geometry/geometry.h"
 #include "core/photos/frame_source.h"
+#include "core/poses/poses.h"
 
 namespace ldp {
 
@@ -33,7 +33,7 @@ class SmallFrames final : public FrameSource {
   int full_width_ = 0, full_height_ = 0;
 };
 
-// Cameras of the source's frames, for these.
-std::vector<Camera> fitted(std::vector<Camera> cameras, const SmallFrames& frames);
+// Poses of the source's frames, for these: the same in the world, in pixels of these.
+Poses fitted(Poses poses, const SmallFrames& frames);
 
 }  // namespace ldp

@@ -46,14 +46,15 @@ void check(const BuildOptions& options) {
 // What a build knows so far. Disparity maps stand for layers until their colours are fetched.
 class Build {
  public:
-  Build(const FrameSource& frames, const BuildOptions& options, const Job& job, PoseEstimator begun)
+  Build(const FrameSource& frames, const BuildOptions& options, const Job& job, PoseEstimator begun, Poses found = {})
       : frames_(frames),
         options_(options),
         effort_(options_of(options.effort)),
         job_(job),
         watch_(report_.seconds, report_.processor_seconds),
         pictures_(options.debug_directory),
-        begun_(std::move(begun)) {}
+        begun_(std::move(begun)),
+        poses_(std::move(found)) {}
 
   BuildResult run() { return run_in_order(*this, options_.layers, iterations_of(options_)); }
 
@@ -64,8 +65,9 @@ class Build {
   friend void ldp::find_layers_in_order(Stages& stages, int layers, int iterations);
 
   void find_cameras() {
-    poses_ = options_.cameras.empty() ? estimate_poses(frames_, std::move(begun_), job_)
-                                      : triangulate(frames_, options_.cameras, options_.poses, job_);
+    if (poses_.cameras.empty())
+      poses_ = options_.cameras.empty() ? estimate_poses(frames_, std::move(begun_), job_)
+                                        : triangulate(frames_, options_.cameras, options_.poses, job_);
     if (!poses_.report.doubt.empty()) report_.notes.push_back("the poses may be wrong: " + poses_.report.doubt);
     if (const std::string what = wrong_exif_lens(poses_.report); !what.empty()) report_.notes.push_back(what);
     watch_.lap("poses");
@@ -383,6 +385,11 @@ BuildResult build(const FrameSource& frames, const BuildOptions& options, const 
   check(options);
   if (begun.options() != options.poses) begun = PoseEstimator(options.poses);
   return Build(frames, options, job, std::move(begun)).run();
+}
+
+BuildResult build(const FrameSource& frames, const BuildOptions& options, const Job& job, Poses found) {
+  check(options);
+  return Build(frames, options, job, PoseEstimator(options.poses), std::move(found)).run();
 }
 
 }  // namespace ldp

@@ -86,4 +86,8 @@ BuildResult build(const FrameSource& frames, const BuildOptions& options, const 
 // The same, to the byte, with poses that were begun while the photos were still being taken.
 BuildResult build(const FrameSource& frames, const BuildOptions& options, const Job& job, PoseEstimator begun);
 
+// With poses that were found before, whatever cameras the options have; of at least 3 frames, in pixels of these
+// frames.
+BuildResult build(const FrameSource& frames, const BuildOptions& options, const Job& job, Poses found);
+
 }  // namespace ldp
