@@ -80,9 +80,34 @@ void fit_outlines(const PanoramaGrid& grid, const std::vector<UprightFrame>& fra
 // What lies `right` and `down` pixels from each pixel (of the panorama's edge, beyond it).
 DisparityMap shifted(const PanoramaGrid& grid, const DisparityMap& layer, int right, int down);
 
-// Removes connected parts of fewer than `least` pixels: they cost much to store, and a renderer lets the background go
-// on there.
-void drop_small_components(int least, bool wraps, DisparityMap& layer);
+// Remembers of every pixel that is read which label is cheapest, and which ones nearly are (unsmoothed.cpp): smoothness
+// takes away what is thin. Windows that are read at the same time must not overlap.
+class CheapestLabels final : public CostSource {
+ public:
+  static constexpr uint8_t kUnread = 255;
+
+  explicit CheapestLabels(const CostSource& inner);
+  int width() const override { return inner_.width(); }
+  int height() const override { return inner_.height(); }
+  int labels() const override { return inner_.labels(); }
+  bool wraps() const override { return inner_.wraps(); }
+  void read(const Window& window, uint8_t* cost, uint8_t* median) const override;
+
+  const Plane<uint8_t>& cheapest() const { return cheapest_; }
+
+  // 1 where the cheapest label is nearer than the one chosen, and clearly cheaper, in connected parts of at least
+  // `least` pixels whose labels are at most one apart from pixel to pixel: fewer are chance.
+  Plane<uint8_t> clearly_nearer(const Plane<uint8_t>& chosen, int least) const;
+
+ private:
+  const CostSource& inner_;
+  mutable Plane<uint8_t> cheapest_;
+  mutable Plane<uint16_t> nearly_;  // bit l: label l costs hardly more
+};
+
+// Removes connected parts of fewer than `least` pixels, of which pixels side by side differ by at most `apart`: they
+// cost much to store, and a renderer lets the background go on there.
+void drop_small_components(int least, bool wraps, DisparityMap& layer, int apart = kDisparitySteps);
 
 // Gives connected parts of fewer than `least` pixels, apart from all around them, the median disparity beside them.
 void absorb_specks(const PanoramaGrid& grid, int least, DisparityMap& layer);

@@ -20,6 +20,9 @@ constexpr int kSmoothness = 3 * kGreySteps / 4;  // gain of each of the eight ne
 // Which of two depth maps the photographs contradict less (proposal_fusion.cpp).
 constexpr double kFusionApartPx = 2;  // surfaces differ where parallax between them exceeds this
 
+// What matches best without smoothness (unsmoothed.cpp): by more than this, in 1/kCostScale grey levels.
+constexpr int kClearlyCheaper = 4;
+
 // How photographs contradict a surface (photo_consistency.h).
 constexpr size_t kWitnesses = 4;                          // cameras next to one that are asked
 constexpr double kWitnessCosine = 0.3;                    // between their axes at least: 72 degrees

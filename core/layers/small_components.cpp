@@ -67,8 +67,8 @@ namespace ldp {
 
 using namespace layers;
 
-void drop_small_components(int least, bool wraps, DisparityMap& layer) {
-  Components components(layer, wraps, kDisparitySteps);
+void drop_small_components(int least, bool wraps, DisparityMap& layer, int apart) {
+  Components components(layer, wraps, apart);
   std::vector<size_t> small;
   for (size_t i = 0; i < layer.samples.size(); ++i) {
     if (!components.waits(i)) continue;

@@ -152,10 +152,19 @@ class Build {
     SweepOptions options = sweep_options();
     options.points = &poses_.points;
     const CostVolume sweep(upright_, grid_, hiding, DisparityMap(), options);
-    const Plane<uint8_t> labels = solve(sweep, seen_, name);
+    const CheapestLabels costs(sweep);
+    const Plane<uint8_t> labels = solve(costs, seen_, name);
     DisparityMap disparity = refine(sweep, labels, seen_, job_);
+    if (last_) unsmoothed_ = unsmoothed(sweep, costs, labels);
     watch_.lap("refine");
     return disparity;
+  }
+
+  // What matches best by itself, where that is no chance.
+  DisparityMap unsmoothed(const CostVolume& sweep, const CheapestLabels& costs, const Plane<uint8_t>& chosen) const {
+    DisparityMap found = refine(sweep, costs.cheapest(), costs.clearly_nearer(chosen, kUnsmoothedPx), job_);
+    drop_small_components(kUnsmoothedPx, grid_.wraps, found, gap_steps(grid_, {}));
+    return found;
   }
 
   // The later of two iterations frees what stands beside near surfaces, and eats their edges where they are plain; each
@@ -167,12 +176,20 @@ class Build {
       fit_outlines(grid_, upright_, job_, before);
       fusion.fuse(before, kIterationsReachPx, job_, layer);
     }
+    fusion.fuse(over(std::exchange(unsmoothed_, {}), layer), kPropagationReachPx, job_, layer);
     for (const int px : effort_.background_px)
       fusion.fuse(without_silhouettes(layer, px), kPropagationReachPx, job_, layer);
     for (const int px : effort_.propagation_px)
       for (const auto& [right, down] : {std::pair(px, 0), {-px, 0}, {0, px}, {0, -px}})
         fusion.fuse(shifted(grid_, layer, right, down), kPropagationReachPx, job_, layer);
     absorb_specks(grid_, kFrontSpeckPx, layer);
+  }
+
+  // `front` where it is present.
+  static DisparityMap over(DisparityMap front, const DisparityMap& layer) {
+    for (size_t i = 0; i < front.samples.size(); ++i)
+      if (front.samples[i] == kNoDisparity) front.samples[i] = layer.samples[i];
+    return front;
   }
 
   // Empty when no camera sees anything behind the layers found so far.
@@ -361,8 +378,9 @@ class Build {
   PanoramaGrid grid_;
   int columns_of_colour_ = 1;  // to each of the columns in which depths are found
   std::vector<UprightFrame> upright_;
-  Plane<uint8_t> seen_;                       // the grid's part that some photo may see; empty: all of it
-  bool last_ = true;                          // is this the last iteration?
+  Plane<uint8_t> seen_;      // the grid's part that some photo may see; empty: all of it
+  bool last_ = true;         // is this the last iteration?
+  DisparityMap unsmoothed_;  // in the last iteration, until it is fused; kNoDisparity where it tells nothing
   std::vector<DisparityMap> layers_, found_;  // of the last iteration that ended, of the present one
   std::vector<VisibilityMap> visibility_;     // of all layers; empty for one far layer
   std::vector<SourceMap> sources_;            // of the colours

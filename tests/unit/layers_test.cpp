@@ -487,6 +487,12 @@ TEST(FuseProposal, IsTheSameAtAnyThreadCountAndInAnyOrderOfCamerasAndStopsWhenAs
   EXPECT_THROW(fused(grid, frames, wrong, truth, job), Cancelled);
 }
 
+DisparityMap row(const std::vector<uint16_t>& samples) {
+  DisparityMap map(static_cast<int>(samples.size()), 1);
+  std::copy(samples.begin(), samples.end(), map.samples.begin());
+  return map;
+}
+
 TEST(DropSpecks, RemovesPartsOfFewerPixelsAndNoOthers) {
   DisparityMap layer(8, 4, kNoDisparity);
   for (int x = 0; x < 3; ++x) layer.at(x, 0) = 100;  // three in a row
@@ -504,6 +510,79 @@ TEST(DropSpecks, RemovesPartsOfFewerPixelsAndNoOthers) {
   EXPECT_EQ(closed.samples, expected.samples);
 }
 
+TEST(DropSpecks, TellsPartsApartByWhatMayDifferFromPixelToPixel) {
+  DisparityMap layer = row({10, 11, 12, 20, 21, 5});
+  drop_small_components(3, false, layer, 1);
+  EXPECT_EQ(layer, row({10, 11, 12, kNoDisparity, kNoDisparity, kNoDisparity}));
+}
+
+// What every pixel's labels cost, set by hand.
+class GivenCosts final : public CostSource {
+ public:
+  GivenCosts(int width, int height, bool wraps) : width_(width), height_(height), wraps_(wraps) {
+    cost_.assign(static_cast<size_t>(width * height * labels()), 50);
+  }
+  uint8_t& at(int x, int y, int label) { return cost_[static_cast<size_t>((x * height_ + y) * labels() + label)]; }
+
+  int width() const override { return width_; }
+  int height() const override { return height_; }
+  int labels() const override { return 16; }
+  bool wraps() const override { return wraps_; }
+  void read(const Window& window, uint8_t* cost, uint8_t* median) const override {
+    for (int i = 0; i < window.width; ++i) {
+      const int first = ((window.x + i) % width_ * height_ + window.y) * labels(), count = window.height * labels();
+      cost = std::copy_n(cost_.begin() + first, count, cost);
+      median = std::fill_n(median, count, uint8_t{9});
+    }
+  }
+
+ private:
+  int width_, height_;
+  bool wraps_;
+  std::vector<uint8_t> cost_;
+};
+
+void read_all(const CheapestLabels& costs, const Window& window) {
+  std::vector<uint8_t> cost(static_cast<size_t>(window.width * window.height * costs.labels())), median(cost.size());
+  costs.read(window, cost.data(), median.data());
+}
+
+TEST(CheapestLabels, AreRememberedOfWhatIsReadAndCostsAreUnchanged) {
+  GivenCosts given(10, 6, true);
+  for (int x = 0; x < 10; ++x)
+    for (int y = 0; y < 6; ++y) given.at(x, y, x + y) = 7;
+  const CheapestLabels costs(given);
+  const Window window{8, 1, 4, 3};  // across the seam
+  std::vector<uint8_t> cost(static_cast<size_t>(window.width * window.height * 16)), median(cost), own(cost);
+  costs.read(window, cost.data(), median.data());
+  given.read(window, own.data(), median.data());
+  EXPECT_EQ(cost, own);
+  for (int y = 0; y < 6; ++y)
+    for (int x = 0; x < 10; ++x) {
+      const bool read = (x >= 8 || x < 2) && y >= 1 && y < 4;
+      EXPECT_EQ(costs.cheapest().at(x, y), read ? x + y : CheapestLabels::kUnread) << x << ", " << y;
+    }
+}
+
+TEST(CheapestLabels, ClearlyNearerOnesAreKeptInLargePartsAlone) {
+  GivenCosts given(7, 3, false);
+  for (int y = 0; y < 3; ++y) {
+    given.at(1, y, 5 + y) = 20;                      // a post
+    given.at(3, y, 9) = 20, given.at(3, y, 2) = 24;  // one that is hardly better than the label chosen
+    given.at(5, y, 0) = 20;                          // farther
+  }
+  given.at(6, 0, 3) = given.at(6, 1, 8) = given.at(6, 2, 12) = 20;  // apart from each other
+  const CheapestLabels costs(given);
+  read_all(costs, {0, 0, 7, 3});
+  const Plane<uint8_t> chosen(7, 3, 2);
+  Plane<uint8_t> expected(7, 3, 0);
+  for (int y = 0; y < 3; ++y) expected.at(1, y) = 1;
+  EXPECT_EQ(costs.clearly_nearer(chosen, 3), expected);
+  EXPECT_EQ(costs.clearly_nearer(chosen, 4), Plane<uint8_t>(7, 3, 0));
+  const CheapestLabels unread(given);
+  EXPECT_EQ(unread.clearly_nearer(chosen, 1), Plane<uint8_t>(7, 3, 0));
+}
+
 TEST(AbsorbSpecks, GivesSmallPartsTheMedianBesideThemAndLeavesLargerOnesAndSlopes) {
   const PanoramaGrid grid = simple_grid(0.5);
   DisparityMap layer(grid.width, grid.height, 100);
@@ -519,12 +598,6 @@ TEST(AbsorbSpecks, GivesSmallPartsTheMedianBesideThemAndLeavesLargerOnesAndSlope
   DisparityMap all(grid.width, 1, 7);
   absorb_specks(grid, 1000, all);
   EXPECT_EQ(all, DisparityMap(grid.width, 1, 7));
-}
-
-DisparityMap row(const std::vector<uint16_t>& samples) {
-  DisparityMap map(static_cast<int>(samples.size()), 1);
-  std::copy(samples.begin(), samples.end(), map.samples.begin());
-  return map;
 }
 
 TEST(FinerColumns, LieOnTheLineBetweenColumnsOfOneSurfaceAndOnTheirOwnBesideAnother) {
