@@ -151,23 +151,25 @@ TEST_F(LdpdTest, AParentThatIgnoresTheEndOfChildrenHidesNoBuildFromTheService) {
   EXPECT_LT(polls_in(room_ / "faults"), 1000);
 }
 
-// Where the program that uses it lets the kernel forget how children ended.
+// Where the program that uses it lets the kernel forget how children ended, some of them before they are looked for.
 TEST(BuildChildTest, ABuildWhoseEndNobodyKeptIsOver) {
   ::signal(SIGCHLD, SIG_IGN);
   BuildCommand command;
   command.program = "/bin/true";
-  BuildChild child(command);
-  pollfd entry{child.end_fd(), POLLIN, 0};
-  EXPECT_EQ(::poll(&entry, 1, 10'000), 1);
-  std::optional<BuildEnd> end;
-  for (int i = 0; i < 200 && !end; ++i) {
-    end = child.end();
-    std::this_thread::sleep_for(milliseconds(5));
+  for (int build = 0; build < 100; ++build) {
+    BuildChild child(command);
+    pollfd entry{child.end_fd(), POLLIN, 0};
+    EXPECT_EQ(::poll(&entry, 1, 10'000), 1);
+    std::optional<BuildEnd> end;
+    for (int i = 0; i < 200 && !end; ++i) {
+      end = child.end();
+      if (!end) std::this_thread::sleep_for(milliseconds(5));
+    }
+    ASSERT_TRUE(end.has_value());
+    EXPECT_FALSE(end->ok);
+    EXPECT_TRUE(end->retry);
   }
   ::signal(SIGCHLD, SIG_DFL);
-  ASSERT_TRUE(end.has_value());
-  EXPECT_FALSE(end->ok);
-  EXPECT_TRUE(end->retry);
 }
 
 TEST_F(LdpdTest, StandardErrorThatNobodyReadsAnyMoreEndsNothing) {

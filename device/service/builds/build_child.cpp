@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <signal.h>
 
+#include <sys/eventfd.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -140,6 +141,8 @@ BuildChild::BuildChild(const BuildCommand& command) {
   if (pid_ < 0) throw_errno("cannot start the build");
   if (pid_ == 0) become(command, arguments.data(), ends, parent);
   process_.reset(static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0U)));
+  // Where nobody is to be told of its end, one that is over already is nowhere: end() will find none.
+  if (!process_.is_open() && errno == ESRCH) process_.reset(::eventfd(1, EFD_CLOEXEC));
   if (!process_.is_open()) {
     const int error = errno;
     kill();
