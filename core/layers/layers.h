@@ -81,7 +81,7 @@ void fit_outlines(const PanoramaGrid& grid, const std::vector<UprightFrame>& fra
 DisparityMap shifted(const PanoramaGrid& grid, const DisparityMap& layer, int right, int down);
 
 // Remembers of every pixel that is read which label is cheapest, and which ones nearly are (unsmoothed.cpp): smoothness
-// takes away what is thin. Windows that are read at the same time must not overlap.
+// takes away what is thin.
 class CheapestLabels final : public CostSource {
  public:
   static constexpr uint8_t kUnread = 255;

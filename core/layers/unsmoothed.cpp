@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 
@@ -6,6 +7,17 @@
 #include "core/layers/layers_tuning.h"
 
 namespace ldp {
+namespace {
+
+static_assert(kLabels <= 16);  // one bit each
+
+// Several threads may read the same window, and find the same.
+template <typename T>
+void remember(T& place, T value) {
+  std::atomic_ref<T>(place).store(value, std::memory_order_relaxed);
+}
+
+}  // namespace
 
 CheapestLabels::CheapestLabels(const CostSource& inner)
     : inner_(inner), cheapest_(inner.width(), inner.height(), kUnread), nearly_(inner.width(), inner.height(), 0) {}
@@ -17,11 +29,11 @@ void CheapestLabels::read(const Window& window, uint8_t* cost, uint8_t* median) 
     const int x = (window.x + i) % inner_.width();
     for (int y = window.y; y < window.y + window.height; ++y, cost += labels) {
       const uint8_t* least = std::min_element(cost, cost + labels);
-      cheapest_.at(x, y) = static_cast<uint8_t>(least - cost);
+      remember(cheapest_.at(x, y), static_cast<uint8_t>(least - cost));
       unsigned nearly = 0;
       for (int l = 0; l < labels; ++l)
         nearly |= static_cast<unsigned>(cost[l] <= *least + layers::tuning::kClearlyCheaper) << l;
-      nearly_.at(x, y) = static_cast<uint16_t>(nearly);
+      remember(nearly_.at(x, y), static_cast<uint16_t>(nearly));
     }
   }
 }

@@ -152,10 +152,12 @@ class Build {
     SweepOptions options = sweep_options();
     options.points = &poses_.points;
     const CostVolume sweep(upright_, grid_, hiding, DisparityMap(), options);
-    const CheapestLabels costs(sweep);
+    std::optional<CheapestLabels> cheapest;
+    if (last_) cheapest.emplace(sweep);
+    const CostSource& costs = last_ ? static_cast<const CostSource&>(*cheapest) : sweep;
     const Plane<uint8_t> labels = solve(costs, seen_, name);
     DisparityMap disparity = refine(sweep, labels, seen_, job_);
-    if (last_) unsmoothed_ = unsmoothed(sweep, costs, labels);
+    if (cheapest) unsmoothed_ = unsmoothed(sweep, *cheapest, labels);
     watch_.lap("refine");
     return disparity;
   }

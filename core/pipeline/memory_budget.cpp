@@ -9,7 +9,7 @@ constexpr size_t kProgram = 33'000'000;                    // code, libraries, p
 constexpr size_t kPhotoPixel = 6;                          // of one photo and the next
 constexpr size_t kSolver = 6'000'000, kStripRow = 11'000;  // windows of two threads; columns in work
 constexpr size_t kUprightPixel = 4;                        // grey, tint and visibility
-constexpr size_t kDisparity = 2, kSolvedPixel = 10;        // of each layer; of the layer that is being found
+constexpr size_t kDisparity = 2, kSolvedPixel = 12;        // of each layer; of the layer that is being found
 constexpr size_t kColouredLayerPixel = 10, kSeams = 11;    // everything of each layer; where photos meet
 constexpr size_t kOpenPhotoPixel = 18;                     // of the other six photos that colours are read from
 // Of each layer held against the photographs; of its part of a mesh, and of one layer more; of three photos in memory.

@@ -78,6 +78,7 @@ class CardReader {
   void read_all(const toml::table& table) {
     read(table, "");
     check_network();
+    check_lines();
   }
 
  private:
@@ -139,6 +140,12 @@ class CardReader {
       if (!wireless && given && !is_wrong("network.kind"))
         add(lines_[key], std::string(key) + ": is for network.kind = 'wifi' or 'access-point'");
     }
+  }
+
+  void check_lines() {
+    if (!is_wrong("button.line") && !is_wrong("led.line") && settings_.button_line == settings_.led_line)
+      add(lines_[lines_.contains("button.line") ? "button.line" : "led.line"],
+          "button.line and led.line are both " + settings_.button_line + ": choose another for one of them");
   }
 
   void text(const char* key, std::string& field, const Check& check) {

@@ -125,6 +125,11 @@ TEST(Card, ANetworkOfWhichHalfIsSaidIsAMistake) {
   expect_mistakes("[network]\nkind = 'cable'\n\npassword = 'long enough'\n", {{4, "network.password: is for"}});
 }
 
+TEST(Card, OneLineForButtonAndLightIsAMistake) {
+  expect_mistakes("[led]\nline = 17\n", {{2, "button.line and led.line are both GPIO17"}});
+  expect_mistakes("[button]\nline = 5\n[led]\nline = 5\n", {{2, "button.line and led.line are both GPIO5"}});
+}
+
 TEST(Card, WhatIsNotTomlIsToldWithItsLine) {
   expect_mistakes("name = 'panorama'\ncamera = v4l2:/dev/video0\n", {{2, ""}});
   expect_mistakes("name = 'a'\nname = 'b'\n", {{2, ""}});

@@ -189,7 +189,7 @@ void add_build(Program& program) {
   app.add_flag(
          "--estimate", command->estimate,
          "Tell roughly the processor seconds, memory and bytes of the file before the work, and build nothing; takes "
-         "a tenth to a fifth of it")
+         "a tenth to two fifths of it, more of small photos")
       ->excludes("--follow");
   app.add_option("--report", command->report, "Write seconds, memory, energies and sizes to this .json file");
   app.add_option("--debug", command->debug, "Write pictures of every stage into this folder")->excludes("--if-needed");
