@@ -189,7 +189,7 @@ TEST(LocalExposure, OfAViewIsTakenBackToThatOfAPhotograph) {
     EXPECT_NEAR(brighter.at(0.3, 0.3)[c] / local.back_to_photo(cameras[1], gains[1]).at(0.3, 0.3)[c], 2, 0.01);
 }
 
-TEST(Rectify, SamplesAutomaticExposuresAtThatOfTheirDirection) {
+TEST(LocalExposureOfPhotos, SamplesAutomaticExposuresAtThatOfTheirDirection) {
   const Turn turn(true);
   std::optional<Calibration> calibration;
   const auto frames =
