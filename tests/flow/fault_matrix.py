@@ -84,7 +84,7 @@ class Matrix:
             env["TZ"] = rule[3:]
         elif rule:
             env.update(LD_PRELOAD=self.faults, LDP_FAULTS=rule, LDP_FAULTS_IN=program,
-                       LDP_FAULTS_LOG=self.path("hits"), ASAN_OPTIONS="verify_asan_link_order=0")
+                       LDP_FAULTS_LOG=self.path("hits"))
         return env
 
     def ldp(self, words, rule="", program="ldp"):

@@ -5,7 +5,7 @@ if(LDP_DRIVERS)
   target_compile_definitions(ldpd_test PRIVATE LDP_FAULTS="$<TARGET_FILE:faults>")
   add_dependencies(ldpd_test ldpd ldp-device faults)
   find_program(LDP_PLAIN_PYTHON NAMES python3)
-  if(LDP_PLAIN_PYTHON AND NOT LDP_SANITIZE)
+  if(LDP_PLAIN_PYTHON)
     add_test(NAME FaultMatrix.EveryFaultOfEveryCallOnce
       COMMAND ${LDP_PLAIN_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/fault_matrix.py --short ${PROJECT_BINARY_DIR})
     add_test(NAME PowerCut.NothingThatWasReportedIsLostAtAnyStep
@@ -15,7 +15,7 @@ if(LDP_DRIVERS)
     add_test(NAME Soak.ItsVerdictOnSeriesWhoseTruthIsKnown
       COMMAND ${LDP_PLAIN_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/soak_test.py ${PROJECT_SOURCE_DIR}/toolchain/soak)
     set_tests_properties(FaultMatrix.EveryFaultOfEveryCallOnce PowerCut.NothingThatWasReportedIsLostAtAnyStep
-      Soak.TwoHundredCaptures PROPERTIES TIMEOUT 1500)
+      Soak.TwoHundredCaptures PROPERTIES TIMEOUT ${LDP_LONG_TEST_SECONDS})
   endif()
 endif()
 if(LDP_DRIVERS)

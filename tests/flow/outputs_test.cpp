@@ -10,6 +10,7 @@
 #include "core/panorama/file/ldp_file.h"
 #include "core/photos/images.h"
 #include "tests/flow/flow.h"
+#include "tests/sanitizers.h"
 
 namespace ldp {
 namespace {
@@ -227,19 +228,11 @@ TEST_F(Outputs, AFullDiskIsToldByTheUsersOwnNames) {
                  with_ffmpeg("echo \"$film: No space left on device\" >&2; echo and more >&2; exit 1"));
 }
 
-// The dynamic loader of a sanitized program wants the sanitizer first.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kCanPreload = false;
-#else
-constexpr bool kCanPreload = true;
-#endif
-
 std::vector<std::string> with_faults(const std::string& rules) {
   return {"env", "LD_PRELOAD=" LDP_FAULTS, "LDP_FAULTS=" + rules, "LDP_FAULTS_IN=ldp"};
 }
 
 TEST_F(Outputs, AnInterruptedExportLeavesNoTemporaryFileHoweverSlowTheDisk) {
-  if (!kCanPreload) GTEST_SKIP() << "nothing can be preloaded before a sanitized program";
   const std::string file = small_panorama();
   const auto before = contents();
   const Running exporting({"export", file, "-o", path("a.html")}, room_,
@@ -253,7 +246,6 @@ TEST_F(Outputs, AnInterruptedExportLeavesNoTemporaryFileHoweverSlowTheDisk) {
 }
 
 TEST_F(Outputs, ABuildGoesOnWithTheThreadsItHas) {
-  if (!kCanPreload) GTEST_SKIP() << "nothing can be preloaded before a sanitized program";
   const std::vector<uint8_t> wanted = read_file(small_panorama());
   const std::vector<std::string> words{
       "build", path("capture"), "-o", path("b.ldp"), "--cameras", path("capture/transforms.json"), "--layers",
@@ -266,7 +258,6 @@ TEST_F(Outputs, ABuildGoesOnWithTheThreadsItHas) {
 }
 
 TEST_F(Outputs, MemoryThatEndsInALibrarysThreadIsToldInALineAndOtherEndsAreNotHidden) {
-  if (!kCanPreload) GTEST_SKIP() << "nothing can be preloaded before a sanitized program";
   const auto while_a_thread_throws = [&](const std::string& what) {
     return std::vector<std::string>{"bash", "-c",
                                     "ulimit -c 0; LDP_FOLDER=" + path("") + " LDP_THROWS=" + what +
@@ -284,7 +275,7 @@ TEST_F(Outputs, MemoryThatEndsIsToldWithWhatTheCommandCanBeTold) {
   const auto with = [](const std::string& kib) {
     return std::vector<std::string>{"bash", "-c", "ulimit -d " + kib + "; exec \"$0\" \"$@\""};
   };
-  if (!kCanPreload) GTEST_SKIP() << "a sanitized program takes more memory than a limit can tell";
+  NOT_UNDER_SANITIZERS("their shadow takes more memory than a limit can tell");
   for (int i = 0; i < 4; ++i) photo("big/" + std::to_string(i) + ".jpg", 3000, 2000);
   expect_refusal({"poses", path("big"), "--megapixels", "6"}, 75,
                  "ldp poses: not enough memory: use fewer photos, or smaller ones (--megapixels)\n", with("20000"));
@@ -326,7 +317,7 @@ TEST_F(Outputs, AFileThatDeclaresMoreThanMayBeUsedIsRefusedBeforeItIsDecoded) {
 
 // What is allowed is enough: as a limit of the process it is kept, with a margin for the program itself.
 TEST_F(Outputs, WhatAFileMayNeedIsNeverLessThanWhatItTakes) {
-  if (!kCanPreload) GTEST_SKIP() << "a sanitized program takes more memory than a limit can tell";
+  NOT_UNDER_SANITIZERS("their shadow takes more memory than a limit can tell");
   const std::string file = large_and_empty(path("large.ldp"));
   const auto within = [](const std::string& mib) {
     return std::vector<std::string>{"bash", "-c", "ulimit -d $((" + mib + " * 1024 + 24000)); exec \"$0\" \"$@\""};
@@ -373,7 +364,6 @@ TEST_F(Outputs, MemoryIsASizeAndNothingElse) {
 
 // By the status: what follows a build (the service, a scheduler) tells a verdict on the photos from a bad moment.
 TEST_F(Outputs, AFullDiskAsksForAnotherTimeAndPhotosThatCannotBePosedDoNot) {
-  if (!kCanPreload) GTEST_SKIP() << "nothing can be preloaded before a sanitized program";
   small_panorama();
   expect_refusal({"build", path("capture"), "-o", path("b.ldp"), "--cameras", path("capture/transforms.json")}, 75,
                  "No space left", with_faults("write .b.ldp * ENOSPC"));
@@ -409,7 +399,6 @@ TEST_F(Outputs, WhatAKilledProgramOfTheSameNumberLeftDoesNotGetIntoTheResults) {
 
 // By the record of faults.c: names and their folder are flushed before the folder takes its own name, and that after.
 TEST_F(Outputs, AFolderOfResultsOutlivesAPowerCut) {
-  if (!kCanPreload) GTEST_SKIP() << "nothing can be preloaded before a sanitized program";
   const std::string file = small_panorama();
   fs::create_directories(path("record"));
   const Outcome made = Running(render_path(file, path("views"), 2), room_,

@@ -22,7 +22,7 @@ TEST_F(LdpdTest, TheFirstInterruptionOfLdpCaptureStoresWhatWasTakenAndTheSecondL
          "script:" + (room_ / "script").string(), "--status", "console:", "-o", (room_ / folder).string()});
   };
   {
-    Process first(slowed("fsync .jpg * delay 80", "one"), room_ / "said");
+    Process first(slowed("fsync .jpg * delay " + time_for_all(80), "one"), room_ / "said");
     ASSERT_TRUE(first.says("stored: 2 frames")) << text_of(room_ / "said");
     const Finished end = first.stop(SIGINT);
     EXPECT_EQ(end.status, 130) << end.said;
@@ -186,7 +186,8 @@ TEST_F(LdpdTest, StandardErrorThatNobodyReadsAnyMoreEndsNothing) {
 // The folder's fourth flush is that of a cancelled sweep's removal.
 TEST_F(LdpdTest, AStorageErrorWhileASweepIsCancelledIsSaidAndTheNextOneWorks) {
   configure("mode = \"toggle\"\nmin_frames = 3\n");
-  script("press wait 3300 release wait 300 press wait 10 release wait 1500 press wait 10 release");
+  script("press wait 3300 release wait 300 press wait 10 release wait " + time_for_all(1500) +
+         " press wait 10 release");
   Process service(with_faults("fsync /out$ 4 EIO", command({"--status", "console:"})), room_ / "said");
   EXPECT_TRUE(service.says("sweep_000002.ldp is ready", 30)) << text_of(room_ / "said");
   const Finished end = service.stop(SIGTERM);
@@ -198,7 +199,8 @@ TEST_F(LdpdTest, AStorageErrorWhileASweepIsCancelledIsSaidAndTheNextOneWorks) {
 TEST_F(LdpdTest, AStorageErrorWhileABuildIsCancelledOrLeftIsSaidAndTheServiceGoesOn) {
   configure("mode = \"toggle\"\nmin_frames = 3\n");
   build_program("[ -e \"$capture.go\" ] || exec sleep 600");
-  script("press wait 10 release wait 1500 press wait 10 release wait 1000 press wait 3300 release");
+  script("press wait 10 release wait " + time_for_all(1500) + " press wait 10 release wait " + time_for_all(1000) +
+         " press wait 3300 release");
   Process service(with_faults("write build.json 2+ ENOSPC", command({"--status", "console:"})), room_ / "said");
   EXPECT_TRUE(service.says("idle: the build was cancelled", 30)) << text_of(room_ / "said");
   EXPECT_TRUE(service.runs());
@@ -234,7 +236,8 @@ TEST_F(LdpdTest, AFileSystemThatCannotFlushFoldersStoresAllTheSameAndThatIsSaidO
 
 TEST_F(LdpdTest, ADiskThatHangsKeepsNoCancelledSweepFromEndingNorTheNextFromBeginning) {
   configure("mode = \"toggle\"\nmin_frames = 3\n");
-  script("press wait 3300 release wait 100 press wait 10 release wait 1500 press wait 10 release");
+  script("press wait 3300 release wait 100 press wait 10 release wait " + time_for_all(1500) +
+         " press wait 10 release");
   const fs::path gate = room_ / "gate";
   Process service(with_faults("fsync .jpg * wait " + gate.string(), command({"--status", "console:"})), room_ / "said");
   EXPECT_TRUE(service.says("the sweep was cancelled", 10));

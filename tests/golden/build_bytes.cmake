@@ -7,5 +7,5 @@ if(LDP_PLAIN_PYTHON)
     ${CMAKE_CURRENT_SOURCE_DIR}/build_bytes.json ${CMAKE_CURRENT_SOURCE_DIR}/captures -- ${program})
   add_test(NAME Golden.PosesAgreeOnEveryMachine COMMAND ${compare} --poses
     ${CMAKE_CURRENT_SOURCE_DIR}/poses.json ${CMAKE_CURRENT_SOURCE_DIR}/sweeps -- ${program})
-  set_tests_properties(Golden.KnownCamerasGiveTheSameBytesOnEveryMachine Golden.PosesAgreeOnEveryMachine PROPERTIES TIMEOUT 600)
+  set_tests_properties(Golden.KnownCamerasGiveTheSameBytesOnEveryMachine Golden.PosesAgreeOnEveryMachine PROPERTIES TIMEOUT ${LDP_TEST_SECONDS})
 endif()
