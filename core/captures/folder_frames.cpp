@@ -75,18 +75,18 @@ bool is_photo(const fs::directory_entry& entry) {
 
 std::string text_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
 
-ImageSize one_size_of(const std::vector<fs::path>& files, const std::string& shown) {
-  for (const fs::path& file : files)
-    if (::access(file.c_str(), R_OK) != 0)
-      throw std::runtime_error(file.string() + ": cannot be read (" + std::strerror(errno) +
-                               "): check its permissions");
-  const ImageSize first = read_image_size(files.front());
-  for (const fs::path& file : files) {
-    const ImageSize size = read_image_size(file);
+std::string name_of(const PhotoFile& file) { return file.path.filename().string(); }
+
+ImageSize one_size_of(const std::vector<PhotoFile>& files, const std::string& shown) {
+  for (const PhotoFile& file : files)
+    if (::access(file.path.c_str(), R_OK) != 0)
+      throw std::runtime_error(file.called + ": cannot be read (" + std::strerror(errno) + "): check its permissions");
+  const ImageSize first = read_image_size(files.front().path, files.front().called);
+  for (const PhotoFile& file : files) {
+    const ImageSize size = read_image_size(file.path, file.called);
     if (size == first) continue;
-    throw std::runtime_error(shown + ": photos of two sizes, " + files.front().filename().string() + " is " +
-                             text_of(first) + " and " + file.filename().string() + " " + text_of(size) +
-                             ": keep only the photos of one sweep");
+    throw std::runtime_error(shown + ": photos of two sizes, " + name_of(files.front()) + " is " + text_of(first) +
+                             " and " + name_of(file) + " " + text_of(size) + ": keep only the photos of one sweep");
   }
   return first;
 }
@@ -116,14 +116,18 @@ Camera scaled(Camera camera, ImageSize size) {
 }
 
 // At least one.
-std::vector<fs::path> photos_of_capture(const fs::path& folder) {
+std::vector<PhotoFile> photos_of_capture(const fs::path& folder) {
   if (!fs::exists(folder)) throw std::runtime_error(folder.string() + ": there is no such folder: check the name");
   if (!fs::is_directory(folder))
     throw std::runtime_error(folder.string() + ": is not a folder: give a folder of photos");
   std::vector<fs::path> files = list_photos(folder);
   const bool has_frames = fs::is_directory(folder / "frames");
   if (files.empty() && has_frames) files = list_photos(folder / "frames");
-  if (!files.empty()) return files;
+  if (!files.empty()) {
+    std::vector<PhotoFile> photos;
+    for (const fs::path& file : files) photos.push_back({file, file.string()});
+    return photos;
+  }
   const std::string other = what_else(has_frames ? folder / "frames" : folder);
   throw std::runtime_error(folder.string() + ": " +
                            (other.empty() ? "no .jpg or .png photos in it: give a folder of photos" : other));
@@ -172,7 +176,7 @@ std::vector<fs::path> list_photos(const fs::path& folder) {
 FolderFrames::FolderFrames(const fs::path& folder, const FolderFramesOptions& options)
     : FolderFrames(photos_of_capture(folder), folder.string(), options) {}
 
-FolderFrames::FolderFrames(std::vector<fs::path> files, const std::string& shown, const FolderFramesOptions& options)
+FolderFrames::FolderFrames(std::vector<PhotoFile> files, const std::string& shown, const FolderFramesOptions& options)
     : files_(std::move(files)), orientation_(options.orientation) {
   if (options.max_pixels < 1024) throw std::logic_error("FolderFrames: max_pixels must be at least 1024");
   if (files_.empty()) throw std::logic_error("FolderFrames: no files");
@@ -180,16 +184,16 @@ FolderFrames::FolderFrames(std::vector<fs::path> files, const std::string& shown
   working_ = shrunk(stored_, options.max_pixels);
 }
 
-std::string FolderFrames::name(int index) const { return files_.at(static_cast<size_t>(index)).filename().string(); }
+std::string FolderFrames::name(int index) const { return name_of(files_.at(static_cast<size_t>(index))); }
 
 RgbImage FolderFrames::load(int index) const {
-  const fs::path& file = files_.at(static_cast<size_t>(index));
+  const PhotoFile& file = files_.at(static_cast<size_t>(index));
   // Decoding at a whole fraction of the size saves memory; the rest of the way is averaged.
   const int64_t enough = std::max<int64_t>(int64_t{4} * working_.width * working_.height, 4'000'000);
-  Photo photo = working_ == stored_ ? read_photo(file) : read_photo(file, enough);
+  Photo photo = read_photo(file.path, working_ == stored_ ? kMaxImagePixels : enough, file.called);
   const ImageSize found = upright(photo.full_size, orientation_);
   if (found != stored_) {
-    throw std::runtime_error(file.string() + ": is " + text_of(found) + " by now and was " + text_of(stored_) +
+    throw std::runtime_error(file.called + ": is " + text_of(found) + " by now and was " + text_of(stored_) +
                              ": leave the photos alone while they are worked on");
   }
   RgbImage image = upright(std::move(photo.image), orientation_);
@@ -197,7 +201,7 @@ RgbImage FolderFrames::load(int index) const {
 }
 
 std::optional<double> FolderFrames::focal_hint(int index) const {
-  return read_focal_hint(files_.at(static_cast<size_t>(index)));
+  return read_focal_hint(files_.at(static_cast<size_t>(index)).path);
 }
 
 std::vector<Camera> FolderFrames::fit(const std::vector<Camera>& cameras) const {
@@ -211,14 +215,15 @@ std::vector<Camera> FolderFrames::fit(const std::vector<Camera>& cameras) const 
   return fitted;
 }
 
-CaptureNotes read_capture_notes(const fs::path& folder) {
+CaptureNotes read_capture_notes(const fs::path& folder, const std::string& shown) {
   CaptureNotes notes;
   const fs::path file = folder / "capture.json";
   if (!fs::exists(file)) return notes;
   const std::vector<uint8_t> bytes = read_file(file);
   const auto json = nlohmann::json::parse(bytes, nullptr, false);
   if (!json.is_object()) {
-    throw std::runtime_error(file.string() + ": is not a JSON object: repair it, or remove it to do without");
+    const std::string words = shown.empty() ? file.string() : shown + ": capture.json";
+    throw std::runtime_error(words + ": is not a JSON object: repair it, or remove it to do without");
   }
   notes.arm_length = positive(json, "arm_length");
   if (const auto degrees = positive(json, "fov_degrees")) notes.fov_rad = *degrees * std::numbers::pi / 180;

@@ -24,19 +24,25 @@ struct FolderFramesOptions {
   int orientation = 1;  // as EXIF numbers them, of what the photos' own leave: a camera that was mounted on its side
 };
 
+struct PhotoFile {
+  std::filesystem::path path;
+  std::string called;  // in errors
+};
+
 class FolderFrames : public FrameSource {
  public:
   // Throws std::runtime_error naming the folder or file and what to do.
   explicit FolderFrames(const std::filesystem::path& folder, const FolderFramesOptions& options = {});
-  // Of these files, at least one, of unlike names; errors that concern them all name them `shown`.
-  FolderFrames(std::vector<std::filesystem::path> files, const std::string& shown, const FolderFramesOptions& options);
+  // Of these files, at least one, of unlike names; errors that concern them all name them `shown`, those of one what it
+  // is called.
+  FolderFrames(std::vector<PhotoFile> files, const std::string& shown, const FolderFramesOptions& options);
 
   int size() const override { return static_cast<int>(files_.size()); }
   std::string name(int index) const override;
   RgbImage load(int index) const override;
   std::optional<double> focal_hint(int index) const override;
 
-  const std::vector<std::filesystem::path>& files() const { return files_; }
+  const std::vector<PhotoFile>& files() const { return files_; }
   ImageSize stored_size() const { return stored_; }    // size of the files, upright
   ImageSize working_size() const { return working_; }  // of every frame as loaded
 
@@ -45,7 +51,7 @@ class FolderFrames : public FrameSource {
   std::vector<Camera> fit(const std::vector<Camera>& cameras) const;
 
  private:
-  std::vector<std::filesystem::path> files_;
+  std::vector<PhotoFile> files_;
   ImageSize stored_, working_;
   int orientation_;
 };
@@ -62,6 +68,7 @@ struct CaptureNotes {
   std::optional<double> fov_rad;     // horizontal, of photos as they are stored
   std::string device, captured_utc;
 };
-CaptureNotes read_capture_notes(const std::filesystem::path& folder);
+// Errors name the folder `shown`, where it is not empty.
+CaptureNotes read_capture_notes(const std::filesystem::path& folder, const std::string& shown = {});
 
 }  // namespace ldp

@@ -79,9 +79,9 @@ ImageSize image_size(std::span<const uint8_t> bytes, const std::string& name) {
   refuse_content(name);
 }
 
-Photo read_photo(const std::filesystem::path& file, int64_t max_pixels) {
+Photo read_photo(const std::filesystem::path& file, int64_t max_pixels, const std::string& called) {
   const std::vector<uint8_t> bytes = read_file(file);
-  ScaledImage scaled = decode(bytes, file.string(), max_pixels);
+  ScaledImage scaled = decode(bytes, called.empty() ? file.string() : called, max_pixels);
   const Exif exif = is_jpeg(bytes) ? read_exif(bytes, scaled.full_size) : Exif{};
   return {upright(std::move(scaled.image), exif.orientation), exif.focal_hint,
           upright(scaled.full_size, exif.orientation), scaled.scale};
@@ -89,9 +89,9 @@ Photo read_photo(const std::filesystem::path& file, int64_t max_pixels) {
 
 RgbImage read_image(const std::filesystem::path& file) { return read_photo(file).image; }
 
-ImageSize read_image_size(const std::filesystem::path& file) {
+ImageSize read_image_size(const std::filesystem::path& file, const std::string& called) {
   const MappedFile mapped(file);
-  const ImageSize size = image_size(mapped.bytes(), file.string());
+  const ImageSize size = image_size(mapped.bytes(), called.empty() ? file.string() : called);
   return is_jpeg(mapped.bytes()) ? upright(size, read_exif(mapped.bytes(), size).orientation) : size;
 }
 

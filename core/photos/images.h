@@ -42,11 +42,13 @@ RgbImage read_image(const std::filesystem::path& file);
 
 // With at most max_pixels pixels, so that a 40-megapixel photo can be worked on in little memory: JPEG is decoded at
 // the largest of 8/8, 7/8 ... 1/8 of its size that fits, PNG averaged over the smallest squares that fit (WebP as it
-// is); what is still too large is refused. scale says which.
-Photo read_photo(const std::filesystem::path& file, int64_t max_pixels = kMaxImagePixels);
+// is); what is still too large is refused. scale says which. called: its name in refusals of what is in it; empty = its
+// path.
+Photo read_photo(const std::filesystem::path& file, int64_t max_pixels = kMaxImagePixels,
+                 const std::string& called = {});
 
 // Header only, EXIF orientation applied.
-ImageSize read_image_size(const std::filesystem::path& file);
+ImageSize read_image_size(const std::filesystem::path& file, const std::string& called = {});
 std::optional<double> read_focal_hint(const std::filesystem::path& file);  // that of read_photo
 
 // From memory. EXIF orientation is not applied.

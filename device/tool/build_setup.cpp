@@ -151,7 +151,7 @@ PreparedBuild prepare(const BuildSetup& setup, const Job& job) {
   if (!setup.cameras.empty() && !std::filesystem::is_directory(setup.cameras)) check_input_file(setup.cameras);
   Intake intake = take_in(setup, job);
   FolderFrames frames = frames_of(intake, setup);
-  CaptureNotes notes = read_capture_notes(intake.folder());
+  CaptureNotes notes = read_capture_notes(intake.folder(), intake.archive());
   PreparedBuild prepared{std::move(intake), std::move(frames), std::move(notes), setup.build};
   const int photos = prepared.frames.size();
   if (photos < kFewestPhotos) {

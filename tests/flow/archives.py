@@ -32,6 +32,8 @@ def main(folder, photos):
     hidden = [("__MACOSX/sweep/._a.png", b"of another system"), ("sweep/.hidden.png", b"x"), ("sweep/notes.txt", b"x")]
     notes = [("sweep/capture.json", b'{"fov_degrees": 50}')]
     write(folder, "sound.zip", hidden + [("sweep/" + name, content) for name, content in contents] + notes)
+    write(folder, "cut.zip", contents[:3] + [(contents[3][0], contents[3][1][:len(contents[3][1]) // 2])] + contents[4:])
+    write(folder, "notes.zip", contents + [("capture.json", b"[]")])
     write(folder, "umlauts.zip", [("\u00fc/\u00e4_" + name, content) for name, content in contents])
     write(folder, "outside.zip", [("../a.png", first)])
     write(folder, "absolute.zip", [("/tmp/a.png", first)])

@@ -59,6 +59,10 @@ class Running {
     posix_spawn_file_actions_destroy(&actions);
   }
   void interrupt() const { ::kill(pid_, SIGINT); }
+  void kill() const {
+    ::kill(pid_, SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+  }
   Outcome wait() const {
     int status = 0;
     ::waitpid(pid_, &status, 0);

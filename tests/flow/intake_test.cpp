@@ -122,6 +122,37 @@ TEST_F(Archives, ThatAreNotToBeTrustedAreRefused) {
     expect_refusal({"poses", path(archive)}, 2, std::string(archive) + ": " + says, in_room("LC_ALL=C"));
 }
 
+TEST_F(Archives, NameADamagedPhotoAsTheyHoldIt) {
+  expect_refusal({"build", path("cut.zip"), "-o", path("a.ldp")}, 2, "ldp build: " + path("cut.zip") + ": 003.png: ");
+  expect_refusal({"poses", path("notes.zip")}, 2, "ldp poses: " + path("notes.zip") + ": capture.json: is not a JSON");
+}
+
+// Read-only folders do not stop the administrator, unless this right is given up.
+TEST_F(Archives, AreUnpackedElsewhereWhereTheOutputsFolderCannotBeWritten) {
+  fs::create_directory(path("locked"));
+  fs::permissions(path("locked"), fs::perms::owner_read | fs::perms::owner_exec);
+  std::vector<std::string> estimate = {
+      "build", path("sound.zip"), "--estimate", "-o", path("locked/a.ldp"), "--cameras", folder_ + "/transforms.json"};
+  const auto in_locked = [&](const std::string& temporary) {
+    std::vector<std::string> through = {"env", "-C", path("locked"), "TMPDIR=" + temporary};
+    if (::geteuid() == 0) through.insert(through.end(), {"setpriv", "--bounding-set=-dac_override,-dac_read_search"});
+    return through;
+  };
+  const auto before = contents();
+  for (const char* const where : {"-o is there", "the current folder is"}) {
+    const Outcome told = Running(estimate, room_, in_locked(path(""))).wait();
+    EXPECT_EQ(told.status, 0) << where << ": " << told.err;
+    EXPECT_THAT(told.out, HasSubstr("s of processor time"));
+    EXPECT_EQ(contents(), before) << "something was left";
+    estimate.erase(estimate.begin() + 3, estimate.begin() + 5);
+    estimate.insert(estimate.begin() + 3, {"--labels", "2"});
+  }
+  expect_refusal(estimate, 2,
+                 path("sound.zip") + ": cannot be unpacked, no folder can be made in " + path("locked") +
+                     " (Permission denied) nor in " + path("locked") + " (Permission denied): set TMPDIR",
+                 in_locked(path("locked")));
+}
+
 // Its pictures are the photos' own, as often as told; ffmpeg is a script that prints them.
 class Films : public Intakes {
  protected:
@@ -193,6 +224,33 @@ TEST_F(Films, StopAtOnceAndLeaveNothing) {
   EXPECT_EQ(running.wait().status, 130);
   EXPECT_EQ(contents(), before);
   EXPECT_FALSE(fs::exists("/proc/" + std::to_string(std::stoi(text_of(mark))))) << "ffmpeg runs on";
+}
+
+// The second film is begun while the first one's program runs; then that is killed.
+TEST_F(Films, TakeAwayWhatAKilledProgramLeftAndNothingElse) {
+  pictures("film", 1);
+  const std::string mark = (room_ / "ffmpeg_runs").string();
+  const std::string print = "cat " + (room_ / "film").string();
+  const auto unpacked = [&] {
+    int count = 0;
+    for (const auto& entry : fs::directory_iterator(path("")))
+      count += entry.path().filename().string().starts_with(".ldp-unpacked-") ? 1 : 0;
+    return count;
+  };
+  const std::vector<std::string> build = {"build", path("film.mp4"), "-o", path("a.ldp"), "--labels", "2"};
+  const Running first(build, room_, with_program("ffmpeg", "echo $$ > " + mark + "; " + print + "; exec sleep 1000"));
+  while (!fs::exists(mark) || text_of(mark).empty()) std::this_thread::yield();
+  fs::create_directory(path(".ldp-unpacked-theirs"));
+  std::ofstream(path(".ldp-unpacked-theirs/kept.jpg")) << "of somebody";
+  const std::vector<std::string> refused = {"build", path("film.mp4"), "-o", path("b.ldp")};
+  Running(refused, room_, with_program("ffmpeg", "exit 1")).wait();
+  EXPECT_EQ(unpacked(), 2) << "the program that it belongs to runs";
+  first.kill();
+  EXPECT_EQ(unpacked(), 2);
+  ::kill(std::stoi(text_of(mark)), SIGKILL);
+  EXPECT_EQ(ldp({"build", folder_ + "/none", "-o", path("b.ldp")}).status, 2);
+  EXPECT_EQ(unpacked(), 1) << "its program is gone";
+  EXPECT_TRUE(fs::exists(path(".ldp-unpacked-theirs/kept.jpg")));
 }
 
 // Pictures lie on their side in it, and stand upright by what it says.

@@ -40,7 +40,7 @@ Converter raw_converter(const fs::path& photo, const fs::path& wanted) {
           {link.string() + ".thumb.jpg", fs::path()}};
 }
 
-void run(const Converter& converter, const fs::path& photo, const Job& job) {
+void run(const Converter& converter, const PhotoFile& photo, const Job& job) {
   try {
     ChildProcess program(converter.words, ChildProcess::Pipe::from_child, kDecoderMemory_bytes);
     uint8_t unread[4096];
@@ -48,36 +48,39 @@ void run(const Converter& converter, const fs::path& photo, const Job& job) {
     }
     if (program.wait() == 0) return;
     const std::string complaint = program.first_line_said();
-    throw BadInput(photo.string() + ": cannot be read by " + converter.words[0] +
+    throw BadInput(photo.called + ": cannot be read by " + converter.words[0] +
                    (complaint.empty() ? "" : " (" + complaint + ")") + ": copy it again, or leave it out");
   } catch (const std::system_error&) {
-    throw BadInput(photo.string() + ": " + converter.kind + ", which could not be started: " + converter.remedy +
+    throw BadInput(photo.called + ": " + converter.kind + ", which could not be started: " + converter.remedy +
                    ", or give .jpg photos");
   }
 }
 
-fs::path converted(const fs::path& photo, FileKind kind, const UnpackedFolder& to, const Job& job) {
-  fs::path wanted = to.path() / (photo.stem().string() + ".jpg");
+fs::path converted(const PhotoFile& photo, FileKind kind, const UnpackedFolder& to, const Job& job) {
+  fs::path wanted = to.path() / (photo.path.stem().string() + ".jpg");
   if (fs::exists(wanted))
-    throw BadInput(photo.string() + ": two photos are named " + photo.stem().string() + ": rename one");
-  const Converter converter = kind == FileKind::heif ? heif_converter(photo, wanted) : raw_converter(photo, wanted);
+    throw BadInput(photo.called + ": two photos are named " + photo.path.stem().string() + ": rename one");
+  const Converter converter =
+      kind == FileKind::heif ? heif_converter(photo.path, wanted) : raw_converter(photo.path, wanted);
   run(converter, photo, job);
   for (const fs::path& made : converter.made) {
     if (!fs::exists(made)) continue;
     fs::rename(made, wanted);
     return wanted;
   }
-  throw BadInput(photo.string() + ": no JPEG picture in it: develop it, and give that as .jpg");
+  throw BadInput(photo.called + ": no JPEG picture in it: develop it, and give that as .jpg");
 }
 
 }  // namespace
 
-std::vector<fs::path> converted_photos(const std::vector<fs::path>& photos, const UnpackedFolder& to, const Job& job) {
-  std::vector<fs::path> all;
-  for (const fs::path& photo : photos) {
-    job.report("unpacking", static_cast<double>(all.size()) / static_cast<double>(photos.size()));
-    const FileKind kind = kind_of_name(photo);
-    all.push_back(kind == FileKind::heif || kind == FileKind::raw ? converted(photo, kind, to, job) : photo);
+std::vector<PhotoFile> converted_photos(const std::vector<PhotoFile>& photos, const UnpackedFolder& to,
+                                        const Job& job) {
+  std::vector<PhotoFile> all = photos;
+  size_t done = 0;
+  for (PhotoFile& photo : all) {
+    job.report("unpacking", static_cast<double>(done++) / static_cast<double>(all.size()));
+    const FileKind kind = kind_of_name(photo.path);
+    if (kind == FileKind::heif || kind == FileKind::raw) photo.path = converted(photo, kind, to, job);
   }
   return all;
 }

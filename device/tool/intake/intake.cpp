@@ -74,6 +74,7 @@ Intake::~Intake() = default;
 
 Intake::Intake(const std::vector<std::string>& words, const IntakeOptions& options, const Job& job)
     : scratch_(options.scratch) {
+  remove_abandoned_folders(scratch_);
   const fs::path only = words.size() == 1 ? words.front() : std::string();
   if (only.empty()) {
     std::vector<fs::path> photos(words.begin(), words.end());
@@ -95,17 +96,28 @@ void Intake::take_folder(const fs::path& folder, const Job& job) {
   folder_ = folder;
   for (const fs::path& place : {folder, folder / "frames"}) {
     if (!photos_.empty() || !fs::is_directory(place)) continue;
-    inputs_ = photos_ = list_photos(place);
+    inputs_ = list_photos(place);
+    photos_ = as_called(inputs_);
     if (photos_.empty()) take_photos(list_converted(place), job);
   }
 }
 
 void Intake::take_photos(std::vector<fs::path> photos, const Job& job) {
   check_photos(photos);
-  inputs_ = photos_ = std::move(photos);
-  if (std::none_of(photos_.begin(), photos_.end(), is_converted)) return;
-  converted_ = std::make_unique<UnpackedFolder>(scratch_);
+  inputs_ = std::move(photos);
+  photos_ = as_called(inputs_);
+  const auto first =
+      std::find_if(photos_.begin(), photos_.end(), [](const PhotoFile& p) { return is_converted(p.path); });
+  if (first == photos_.end()) return;
+  converted_ = std::make_unique<UnpackedFolder>(scratch_, first->called);
   photos_ = converted_photos(photos_, *converted_, job);
+}
+
+std::vector<PhotoFile> Intake::as_called(const std::vector<fs::path>& files) const {
+  std::vector<PhotoFile> photos;
+  for (const fs::path& file : files)
+    photos.push_back({file, archive_.empty() ? file.string() : archive_ + ": " + file.filename().string()});
+  return photos;
 }
 
 void Intake::take_file(const fs::path& file, const IntakeOptions& options, const Job& job) {
@@ -113,10 +125,11 @@ void Intake::take_file(const fs::path& file, const IntakeOptions& options, const
     throw BadInput(file.string() + ": there is no such folder, photo, archive or film: check the name");
   const FileKind kind = kind_of_content(file);
   if (kind == FileKind::photo || kind == FileKind::heif || kind == FileKind::raw) {
-    photos_ = {file};  // too few anyway
+    photos_ = as_called({file});  // too few anyway
     return;
   }
-  unpacked_ = std::make_unique<UnpackedFolder>(scratch_);
+  archive_ = file.string();
+  unpacked_ = std::make_unique<UnpackedFolder>(scratch_, archive_);
   if (kind == FileKind::zip)
     unpack_photos(file, *unpacked_, job);
   else

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/job.h"
+#include "core/captures/folder_frames.h"
 
 namespace ldp {
 
@@ -29,20 +30,25 @@ class Intake {
   Intake& operator=(Intake&&) noexcept;
   ~Intake();  // what was unpacked is gone
 
-  // In order: of a list its own, else by name, with numbers by value. Empty when the folder holds none.
-  const std::vector<std::filesystem::path>& photos() const { return photos_; }
+  // In order: of a list its own, else by name, with numbers by value. Empty when the folder holds none. What was
+  // unpacked or converted is called by what it came in.
+  const std::vector<PhotoFile>& photos() const { return photos_; }
   // Files as they were given, what photos were unpacked or converted from, and what belongs to them; may be absent.
   const std::vector<std::filesystem::path>& inputs() const { return inputs_; }
   const std::filesystem::path& folder() const { return folder_; }  // that a capture.json would be in; empty = none
+  const std::string& archive() const { return archive_; }          // or film that `folder` was unpacked from; or empty
 
  private:
+  std::vector<PhotoFile> as_called(const std::vector<std::filesystem::path>& files) const;
   void take_folder(const std::filesystem::path& folder, const Job& job);
   void take_photos(std::vector<std::filesystem::path> photos, const Job& job);
   void take_file(const std::filesystem::path& file, const IntakeOptions& options, const Job& job);
 
   std::unique_ptr<UnpackedFolder> unpacked_, converted_;
   std::filesystem::path scratch_, folder_;
-  std::vector<std::filesystem::path> photos_, inputs_;
+  std::string archive_;
+  std::vector<PhotoFile> photos_;
+  std::vector<std::filesystem::path> inputs_;
 };
 
 }  // namespace ldp

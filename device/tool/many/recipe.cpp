@@ -41,8 +41,8 @@ std::string recipe_of(const BuildSetup& setup, const PreparedBuild& prepared) {
   for (const char* const plays_no_part : {"capture", "cameras", "debug_directory"}) json.erase(plays_no_part);
   json["version"] = LDP_VERSION;
   if (!prepared.options.cameras.empty()) json["cameras"] = transforms_json(prepared.options.cameras);
-  for (const fs::path& photo : prepared.frames.files())
-    json["photos"].push_back({photo.filename().string(), fs::file_size(photo)});
+  for (const PhotoFile& photo : prepared.frames.files())
+    json["photos"].push_back({photo.path.filename().string(), fs::file_size(photo.path)});
   json["device"] = {prepared.notes.device, prepared.notes.captured_utc};
   return digits_of(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
