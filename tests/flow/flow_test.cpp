@@ -227,6 +227,24 @@ TEST_F(Flow, RefusesAnOutputThatCannotBeWrittenBeforeTheWorkBegins) {
   expect_refusal({"build", path("photos"), "-o", path("locked/a.ldp")}, 2, "cannot be written", through);
 }
 
+TEST_F(Flow, ABuildWithoutAnOutputSaysWhichOptionIsMissing) {
+  photo("photos/a.jpg");
+  expect_refusal(
+      {"build", path("photos")}, 2,
+      "-o FILE.ldp is missing: name the panorama to write, such as: ldp build " + path("photos") + " -o room.ldp");
+}
+
+TEST_F(Flow, AnEstimateTakesNoOptionThatItWouldNotHeed) {
+  photo("photos/a.jpg");
+  const std::vector<std::string> estimate = {"build", path("photos"), "--estimate"};
+  for (const auto& [option, says] :
+       {std::pair("--report", "--json > " + path("a.json")), {"--debug", "--debug could draw"}}) {
+    std::vector<std::string> words = estimate;
+    words.insert(words.end(), {option, path("a.json")});
+    expect_refusal(words, 2, says);
+  }
+}
+
 TEST_F(Flow, NeverWritesOverAFileOfAnotherKind) {
   photo("kept/a.jpg");
   const std::string taken = path("kept/a.jpg"), before = text_of(taken);

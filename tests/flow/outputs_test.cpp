@@ -114,6 +114,20 @@ TEST_F(Outputs, AShorterPathDoesNotMixWithTheViewsOfALongerOne) {
   EXPECT_EQ(ldp(render_path(file, path("views"), 4)).status, 0) << "all are replaced";
 }
 
+TEST_F(Outputs, ViewsDoNotMixWithTheDepthsOfEarlierOnes) {
+  const std::string file = small_panorama();
+  std::vector<std::string> words = render_path(file, path("views"), 2);
+  words.emplace_back("--depth");
+  ASSERT_EQ(ldp(words).status, 0);
+  expect_refusal(render_path(file, path("views"), 2), 2,
+                 "frame_000.pfm: is left from earlier views and would not fit the new ones: render with --depth again");
+  EXPECT_EQ(ldp(words).status, 0) << "all are replaced";
+  for (const char* name : {"frame_000.pfm", "frame_001.pfm"}) fs::remove(path("views/" + std::string(name)));
+  EXPECT_EQ(ldp(render_path(file, path("views"), 2)).status, 0);
+  std::ofstream(path("views/frame_001.exr")) << "of a compositor";
+  expect_refusal(render_path(file, path("views"), 2), 2, "frame_001.exr: is left from earlier views");
+}
+
 TEST_F(Outputs, ViewsNeverReplacePhotos) {
   const std::string file = small_panorama(), photo = path("capture/frames/000.png"), before = text_of(photo);
   const std::vector<std::string> over{"render", file, "--cameras", path("capture/transforms.json"), "-o"};

@@ -84,10 +84,22 @@ int judged(const BuildCommand& command, const SweepQuality& quality) {
 }
 
 void check_outputs(const BuildCommand& command) {
+  if (command.output.empty())
+    throw BadInput("-o FILE.ldp is missing: name the panorama to write, such as: ldp build " + command.setup.capture() +
+                   " -o room.ldp");
   check_output_file(command.output, OutputKind::panorama);
   if (std::filesystem::weakly_canonical(command.report) == std::filesystem::weakly_canonical(command.output))
     throw BadInput(command.report + ": is named for the panorama and for the report: choose two names");
   if (!command.report.empty()) check_output_file(command.report, OutputKind::report);
+}
+
+void check_estimate(const BuildCommand& command) {
+  if (!command.report.empty())
+    throw BadInput(
+        "--estimate builds nothing that --report could tell of: leave that out, or keep the estimate by --json > " +
+        command.report);
+  if (!command.debug.empty())
+    throw BadInput("--estimate builds nothing that --debug could draw: leave one of them out");
 }
 
 bool tells_of_success(const std::string& report) {
@@ -167,7 +179,10 @@ void add_build(Program& program) {
   CLI::App& app =
       add_command(program, "build", "Turn the photos of a sweep, or a film of it, into a layered depth panorama",
                   [command, &program](const Session& session) {
-                    if (command->estimate) return tell_estimate(command->setup, command->output, session);
+                    if (command->estimate) {
+                      check_estimate(*command);
+                      return tell_estimate(command->setup, command->output, session);
+                    }
                     check_outputs(*command);
                     if (!command->report.empty())
                       program.failed = [command](const Failure& failure) { report_failure(*command, failure); };

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "core/base/files.h"
@@ -76,6 +77,19 @@ void keep_photos(const RenderCommand& command, const std::vector<Camera>& camera
       if (wanted && fs::exists(file) && !is_a_view(view))
         throw BadInput(file.string() + ": is there already and is no view: name another folder");
   }
+}
+
+// Depths of other views of the same names would pass for those of the new ones.
+void refuse_stale_depths(const RenderCommand& command, const std::vector<Camera>& cameras) {
+  for (const Camera& camera : cameras)
+    for (const auto& [ending, option, wanted] :
+         {std::tuple(".pfm", "--depth", command.pfm), {".exr", "--exr", command.exr}}) {
+      fs::path left = fs::path(command.output) / fs::path(camera.name).stem();
+      left += ending;
+      if (!wanted && fs::exists(left))
+        throw BadInput(left.string() + ": is left from earlier views and would not fit the new ones: render with " +
+                       option + " again, remove it, or name another folder");
+    }
 }
 
 constexpr BytesBeside kRendering{
@@ -196,7 +210,10 @@ int run(RenderCommand command, const Session& session) {
   if (cameras.empty()) throw BadInput(command.cameras + ": has no frames: add the cameras to render");
   for (const Camera& camera : cameras) check_view(command, camera);
   check_stems(cameras, command.cameras);
-  if (!names_a_film(command.output)) keep_photos(command, cameras);
+  if (!names_a_film(command.output)) {
+    keep_photos(command, cameras);
+    refuse_stale_depths(command, cameras);
+  }
   const Rendered totals = names_a_film(command.output) ? render_film(command, renderer, cameras, job)
                                                        : render_pictures(command, renderer, cameras, job);
   bar.reset();
