@@ -73,12 +73,22 @@ void write_files(const ldp::CardSettings& settings, const fs::path& folder) {
   }
 }
 
+// Mistakes are what a person has to know of, whether the card has room to tell them on or not: they decide the status.
+void report(const fs::path& file, const ldp::CheckedCard& checked) {
+  try {
+    ldp::write_file(file, ldp::card_report(checked));
+  } catch (const std::exception& error) {
+    if (checked.mistakes.empty()) throw;
+    std::fprintf(stderr, "ldp-card: %s\n", error.what());
+  }
+}
+
 int run(const Arguments& arguments) {
   const ldp::CheckedCard checked = read_card(arguments.camera_toml);
   if (arguments.blink) blink(checked.settings);
   for (const ldp::ConfigMistake& mistake : checked.mistakes)
     std::fprintf(stderr, "%s:%d: %s\n", arguments.camera_toml.c_str(), mistake.line, mistake.text.c_str());
-  if (!arguments.report.empty()) ldp::write_file(arguments.report, ldp::card_report(checked));
+  if (!arguments.report.empty()) report(arguments.report, checked);
   if (!checked.mistakes.empty()) return kBadConfiguration;
   if (!arguments.output.empty()) write_files(checked.settings, arguments.output);
   return 0;

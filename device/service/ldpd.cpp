@@ -3,11 +3,11 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "device/capture/log.h"
@@ -19,6 +19,7 @@ namespace {
 
 constexpr int kBadConfiguration = 78;  // EX_CONFIG: systemd is told not to start again
 constexpr int kBadArguments = 2;
+constexpr int kTryAgain = 75;  // EX_TEMPFAIL
 constexpr const char* kDefaultConfig = "/etc/ldpd.toml";
 
 struct Arguments {
@@ -83,8 +84,10 @@ int serve(const Arguments& arguments) {
   for (const ldp::ConfigMistake& mistake : wrong) std::fprintf(stderr, "ldpd: --%s\n", mistake.text.c_str());
   if (!wrong.empty()) return kBadArguments;
   if (arguments.print_config) std::fputs(ldp::config_text(config).c_str(), stdout);
-  if (!ldp::flush_standard_output())
-    throw std::system_error(errno, std::generic_category(), "cannot write the configuration");
+  if (!ldp::flush_standard_output()) {
+    std::fprintf(stderr, "ldpd: cannot write the configuration: %s\n", std::strerror(errno));
+    return kTryAgain;
+  }
   if (arguments.print_config && !arguments.check_config) return 0;
   if (const auto program = ldp::program_of(config); !std::filesystem::exists(program)) {
     std::fprintf(stderr,

@@ -107,11 +107,13 @@ int run(const Program& program) {
   }
 }
 
-// What was printed on a full disk is lost, and that is no success.
+// What was printed on a full disk is lost, and that is no success. A cause that is unknown by now was a moment's.
 int with_all_printed(const Program& program, int status) {
   if (flush_standard_output() || status != kDone) return status;
-  const std::string why = errno == 0 ? std::string() : std::string(": ") + std::strerror(errno);
-  return complain(program, "cannot write to standard output" + why, kCannotBeDone);
+  const int error = errno;
+  const std::string why = error == 0 ? std::string() : std::string(": ") + std::strerror(error);
+  const bool try_again = error == 0 || is_machine_fault({error, std::generic_category()});
+  return complain(program, "cannot write to standard output" + why, try_again ? kTryAgain : kCannotBeDone);
 }
 
 }  // namespace
@@ -159,8 +161,7 @@ int main(int argc, char** argv) try {
       "input (a damaged .ldp among it), 70 an internal error, 75 the machine is at fault, as by a full disk or too "
       "little memory: try again, 130 interrupted.");
   const int parsed = ldp::parse(program, argc, argv);
-  if (!program.chosen) return parsed;
-  const int status = ldp::with_all_printed(program, ldp::run(program));
+  const int status = ldp::with_all_printed(program, program.chosen ? ldp::run(program) : parsed);
   return interrupt.came() ? ldp::kInterrupted : status;
 } catch (const std::exception& error) {  // before there is a command: no room for the thread that waits for Ctrl-C
   std::fprintf(stderr, "ldp: cannot start: %s\n", error.what());

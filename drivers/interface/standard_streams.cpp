@@ -27,7 +27,11 @@ void say(std::string_view line) {
 
 bool flush_standard_output() {
   errno = 0;
-  return std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return true;
+  if (errno == 0) {  // an earlier write failed, and why is forgotten: another byte finds the same
+    [[maybe_unused]] const ssize_t written = ::write(STDOUT_FILENO, "\n", 1);
+  }
+  return false;
 }
 
 }  // namespace ldp

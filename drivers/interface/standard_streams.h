@@ -13,7 +13,7 @@ void keep_standard_streams();
 // of a service waits for no reader. What does not fit into a pipe's smallest room (4096 bytes) is cut off.
 void say(std::string_view line);
 
-// Whether all that was printed on standard output has been written; errno says why not, 0 if it was an earlier write.
+// Whether all that was printed on standard output has been written; errno says why not, 0 if it is unknown.
 bool flush_standard_output();
 
 }  // namespace ldp

@@ -388,8 +388,14 @@ TEST_F(Outputs, AFullDiskAsksForAnotherTimeAndPhotosThatCannotBePosedDoNot) {
 
 TEST_F(Outputs, WhatCannotBePrintedIsNoSuccess) {
   const std::string file = small_panorama();
-  expect_refusal({"info", file, "--json"}, 1, "cannot write to standard output",
-                 {"bash", "-c", "exec \"$0\" \"$@\" > /dev/full"});
+  const std::vector<std::string> full = {"bash", "-c", "exec \"$0\" \"$@\" > /dev/full"};
+  const std::vector<std::vector<std::string>> commands = {
+      {"info", file, "--json"}, {"verify", file}, {"summary", path("")}, {"build", "--help"},
+      {"watch", "--help"},      {"--help"},       {"--version"}};
+  for (const std::vector<std::string>& words : commands)
+    expect_refusal(words, 75, "cannot write to standard output: No space left on device", full);
+  expect_refusal({"info", file}, 1, "cannot write to standard output: Broken pipe",
+                 {"bash", "-c", "trap '' PIPE; exec \"$0\" \"$@\" > >(exec >&- <&-; sleep 0.2)"});
 }
 
 TEST_F(Outputs, AParentThatIgnoresTheEndOfChildrenHidesNoFailureOfAFilm) {

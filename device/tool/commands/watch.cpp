@@ -98,7 +98,7 @@ int run_watch(const WatchCommand& command, const Session& session) {
   while (going) {
     while (const auto heard = listener->read()) {
       print(*heard, session.json);
-      if (++printed == command.count) return kDone;
+      if (++printed == command.count || std::ferror(stdout) != 0) return kDone;  // main tells of what is not written
     }
     going = !listener->ended() && wait_for(listener->fd(), end.get());
   }
