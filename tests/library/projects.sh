@@ -9,17 +9,9 @@ for part in libldp0 libldp-dev; do
   cmake --install "$1" --prefix "$room/first" --component "$part" >/dev/null
 done
 mv "$room/first" "$room/installed"
-mkdir "$room/project"
-cp "$here/reader.c" "$room/project/"
-cat >"$room/project/CMakeLists.txt" <<'END'
-cmake_minimum_required(VERSION 3.20)
-project(reader C)
-find_package(ldp 0.1 REQUIRED)
-add_executable(reader reader.c)
-target_link_libraries(reader PRIVATE ldp::ldp)
-END
+project=$here/reader_project
 file=$here/../golden/uniform_lossless.ldp expected='200x90, 3 layers'
-cmake -S "$room/project" -B "$room/build" -DCMAKE_PREFIX_PATH="$room/installed" -DCMAKE_C_COMPILER="$2" >/dev/null
+cmake -S "$project" -B "$room/build" -DCMAKE_PREFIX_PATH="$room/installed" -DCMAKE_C_COMPILER="$2" >/dev/null
 cmake --build "$room/build" >/dev/null
 "$room/build/reader" "$file" | grep "$expected"
 
@@ -27,7 +19,7 @@ PKG_CONFIG_PATH=$(dirname "$(find "$room/installed" -name ldp.pc)")
 export PKG_CONFIG_PATH
 libraries=$(pkg-config --variable=libdir ldp)
 read -ra flags <<<"$(pkg-config --cflags --libs ldp)"
-"$2" -Wall -Wextra -Wpedantic -Werror -std=c11 "$here/reader.c" "${flags[@]}" -o "$room/reader"
+"$2" -Wall -Wextra -Wpedantic -Werror -std=c11 "$project/reader.c" "${flags[@]}" -o "$room/reader"
 LD_LIBRARY_PATH=$libraries "$room/reader" "$file" | grep "$expected"
-! LD_LIBRARY_PATH=$libraries "$room/reader" "$here/reader.c" 2>"$room/said"
+! LD_LIBRARY_PATH=$libraries "$room/reader" "$project/reader.c" 2>"$room/said"
 grep -q "open .*reader.c: " "$room/said"

@@ -85,6 +85,7 @@ set(CPACK_DEBIAN_PYTHON3-LDP_PACKAGE_RECOMMENDS layered-depth-panorama)
 set(CPACK_DEBIAN_PYTHON3-LDP_PACKAGE_SUGGESTS libldp-doc)
 set(CPACK_DEBIAN_PYTHON3-LDP_DESCRIPTION "For Python: planes of layers and rendered views as numpy arrays; building panoramas from
 photographs takes the programs of layered-depth-panorama.")
+set(CPACK_DEBIAN_PYTHON3-LDP_PACKAGE_CONTROL_EXTRA "${deb}/python3-ldp/prerm")
 
 set(CPACK_DEBIAN_LIBLDP-DOC_PACKAGE_NAME libldp-doc)
 set(CPACK_DEBIAN_LIBLDP-DOC_PACKAGE_SECTION doc)
