@@ -194,14 +194,21 @@ Plane<int32_t> ProposalFusion::gains(const Plane<uint8_t>& changes, const Dispar
   const auto changed = [&](uint32_t pixel) { return pixel != kSeesNothing && changes.samples[pixel] != kSame; };
   for_each_camera(photos_, frames_.size(), {&own, &other}, job, [&](size_t camera) {
     const UprightFrame& frame = frames_[camera];
-    for (int x = 0; x < frame.camera.width; ++x) {
-      const uint32_t *before = own.seen(camera).row(x), *after = other.seen(camera).row(x);
-      for (int y = frame.valid_begin[static_cast<size_t>(x)]; y < frame.valid_end[static_cast<size_t>(x)]; ++y) {
-        const bool hides = changed(before[y]), shows = changed(after[y]);
-        if (!hides && !shows) continue;
-        const int gain = photos_.difference(camera, x, y, own.maps()) - photos_.difference(camera, x, y, other.maps());
-        if (hides) sums.add(before[y], gain);
-        if (shows && after[y] != before[y]) sums.add(after[y], gain);
+    PhotoConsistency::Pixels asked;
+    std::vector<int> of_own, of_other;
+    for (asked.x = 0; asked.x < frame.camera.width; ++asked.x) {
+      const auto column = static_cast<size_t>(asked.x);
+      const uint32_t *before = own.seen(camera).row(asked.x), *after = other.seen(camera).row(asked.x);
+      asked.rows.clear();
+      for (int y = frame.valid_begin[column]; y < frame.valid_end[column]; ++y)
+        if (changed(before[y]) || changed(after[y])) asked.rows.push_back(y);
+      photos_.differences(camera, asked, own.maps(), of_own);
+      photos_.differences(camera, asked, other.maps(), of_other);
+      for (size_t i = 0; i < asked.rows.size(); ++i) {
+        const uint32_t hidden = before[asked.rows[i]], shown = after[asked.rows[i]];
+        const int gain = of_own[i] - of_other[i];
+        if (changed(hidden)) sums.add(hidden, gain);
+        if (changed(shown) && shown != hidden) sums.add(shown, gain);
       }
     }
   });

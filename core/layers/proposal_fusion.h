@@ -10,8 +10,8 @@
 #include "core/base/job.h"
 #include "core/geometry/disparity.h"
 #include "core/geometry/geometry.h"
-#include "core/layers/map_painter.h"
-#include "core/layers/photo_consistency.h"
+#include "core/layers/painting/map_painter.h"
+#include "core/layers/painting/photo_consistency.h"
 #include "core/photos/upright_frame.h"
 
 namespace ldp {

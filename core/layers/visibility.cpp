@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "core/layers/layers.h"
-#include "core/layers/map_painter.h"
+#include "core/layers/painting/map_painter.h"
 
 namespace ldp::layers {
 namespace {

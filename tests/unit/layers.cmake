@@ -1,1 +1,1 @@
-ldp_test(layers_test SOURCES layers_test.cpp USES ldp_layers)
+ldp_test(layers_test SOURCES layers_test.cpp view_kernels_test.cpp USES ldp_layers)

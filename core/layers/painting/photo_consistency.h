@@ -7,6 +7,7 @@
 
 #include "core/geometry/geometry.h"
 #include "core/geometry/visibility_map.h"
+#include "core/layers/painting/view_kernels.h"
 #include "core/photos/upright_frame.h"
 
 namespace ldp::layers {
@@ -20,11 +21,18 @@ class PhotoConsistency {
   // The cameras that are asked about what camera k sees.
   std::vector<size_t> witnesses(size_t k) const;
 
-  // Mean difference [1/kDifferenceSteps grey levels] of camera k's pixel (x, y), where it sees the surface of
+  // Pixels of one column.
+  struct Pixels {
+    int x = 0;
+    std::vector<int32_t> rows;
+  };
+
+  // Mean difference [1/kDifferenceSteps grey levels] of each of camera k's pixels, where it sees the surface of
   // maps[k], from the cameras that see it there too; what half a pixel may change is none. kUnknownDifference where no
   // other does, or no surface is.
   // Maps of other cameras than k and its witnesses may be null.
-  int difference(size_t k, int x, int y, const std::vector<const VisibilityMap*>& maps) const;
+  void differences(size_t k, const Pixels& pixels, const std::vector<const VisibilityMap*>& maps,
+                   std::vector<int>& found) const;
 
  private:
   // From one upright camera's axes to another's; both stand upright on the arc's plane.
@@ -33,6 +41,8 @@ class PhotoConsistency {
     double right_of_right, right_of_forward, forward_of_right, forward_of_forward;
     double step_right, step_down, step_forward;  // from the other's centre to this one's, in the other's axes
     Witness(size_t frame, const UprightCamera& from, const UprightCamera& to, const Eigen::Vector3d& down);
+    kernels::ToWitness from_column(const UprightCamera& from, const UprightCamera& to, int x, const VisibilityMap& own,
+                                   const VisibilityMap& other) const;
   };
 
   const std::vector<UprightFrame>& frames_;

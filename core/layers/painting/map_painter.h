@@ -10,17 +10,17 @@
 #include "core/geometry/voxel_projection.h"
 #include "core/layers/layers.h"
 #include "core/layers/neighbours.h"
+#include "core/layers/painting/view_kernels.h"
 
 namespace ldp::layers {
 
-// What painting a layer into any camera's map needs.
+// What painting a layer into any camera's map needs. Columns are padded for the kernels.
 struct Brush {
   const PanoramaGrid& grid;
   std::vector<Heading> edges;
-  std::vector<double> edges_v;
-  std::vector<double> inverse_depths;  // of half disparity steps
-  Plane<uint16_t> columns;             // the layer's
-  Plane<uint8_t> joined;               // 1 where a pixel is on one surface with the next column's, stored likewise
+  std::vector<float> edges_v;
+  Plane<uint16_t> columns;  // the layer's
+  Plane<uint8_t> joined;    // 1 where a pixel is on one surface with the next column's, stored likewise
 
   Brush(const PanoramaGrid& on, const DisparityMap& layer, const LayersOptions& options);
 };
@@ -31,7 +31,7 @@ constexpr uint32_t kSeesNothing = 0xFFFFFFFF;
 
 class MapPainter {
  public:
-  // `seen` may be null.
+  // `seen` may be null; what is given must outlive it.
   MapPainter(const Brush& brush, const UprightCamera& camera, VisibilityMap& map, SeenPixels* seen = nullptr);
 
   // One column of the layer.
@@ -44,13 +44,18 @@ class MapPainter {
 
   bool in_view(Heading h) const;
   bool beside_view(const Sides& sides) const;
-  void paint_pixel(const Sides& sides, int x, int y, int left_half_steps, int d, int right_half_steps);
+  kernels::DisparityColumn column(int x) const;
+  kernels::ColumnInView in_view(const Sides& sides) const;
+  void draw_box(int x, int y);
 
   const PanoramaGrid& grid_;
   const Brush& brush_;
+  const UprightCamera& camera_;
   VoxelProjection projection_;
   VisibilityMap& map_;
   SeenPixels* seen_;
+  std::vector<int32_t> rows_;  // what boxes_ points to
+  kernels::Boxes boxes_;       // of the column that is painted
 };
 
 // What a camera sees, and of which pixels. Kept to be painted over: most of their time is that of fresh memory.

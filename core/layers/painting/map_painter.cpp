@@ -1,0 +1,133 @@
+#include "core/layers/painting/map_painter.h"
+
+#include <cmath>
+
+#include "core/geometry/same_surface.h"
+#include "core/layers/neighbours.h"
+
+namespace ldp::layers {
+namespace {
+
+static_assert(kernels::kAbsent == kNoDisparity);
+
+kernels::Linear linear(double at_0, double at_1) { return {static_cast<float>(at_0), static_cast<float>(at_1 - at_0)}; }
+
+}  // namespace
+
+Brush::Brush(const PanoramaGrid& on, const DisparityMap& layer, const LayersOptions& options)
+    : grid(on),
+      edges_v(static_cast<size_t>(grid.height) + 1 + kernels::kPadding),
+      columns(layer.height + kernels::kPadding, layer.width, kNoDisparity),
+      joined(layer.height + kernels::kPadding, layer.width, 0) {
+  for (int x = 0; x <= grid.width; ++x) edges.push_back(heading(grid.theta(x)));
+  for (int y = 0; y <= grid.height; ++y) edges_v[static_cast<size_t>(y)] = static_cast<float>(grid.v(y));
+  for (int y = 0; y < layer.height; ++y)
+    for (int x = 0; x < layer.width; ++x) columns.at(y, x) = layer.at(x, y);
+  const SurfaceTolerance<double> connected{parallax_steps(grid, options.connect_px), options.connect_share,
+                                           grid.w_far / std::max(1e-9, grid.w_near - grid.w_far) * kDisparitySteps};
+  for (int x = 0; x < grid.width; ++x) {
+    const int after = neighbour_column(grid, x + 1);
+    if (after < 0) continue;
+    const uint16_t *here = columns.row(x), *next = columns.row(after);
+    for (int y = 0; y < grid.height; ++y)
+      joined.at(y, x) = here[y] != kNoDisparity && next[y] != kNoDisparity && connected.same_surface(here[y], next[y]);
+  }
+}
+
+MapPainter::MapPainter(const Brush& brush, const UprightCamera& camera, VisibilityMap& map, SeenPixels* seen)
+    : grid_(brush.grid),
+      brush_(brush),
+      camera_(camera),
+      projection_(grid_, camera),
+      map_(map),
+      seen_(seen),
+      rows_(5 * static_cast<size_t>(brush.columns.width)) {
+  const auto rows = [&](int i) { return rows_.data() + static_cast<ptrdiff_t>(i) * brush.columns.width; };
+  boxes_ = {rows(0), rows(1), rows(2), rows(3), rows(4)};
+}
+
+void MapPainter::paint(int x) {
+  const Heading left = brush_.edges[static_cast<size_t>(x)], right = brush_.edges[static_cast<size_t>(x) + 1];
+  if (!in_view(left) && !in_view(right)) return;
+  const Sides sides{projection_.column(left), projection_.column(right)};
+  if (beside_view(sides)) return;
+  kernels::best().find_boxes(column(x), in_view(sides), brush_.edges_v.data(), grid_.height, boxes_);
+  for (int y = 0; y < grid_.height; ++y) draw_box(x, y);
+}
+
+kernels::DisparityColumn MapPainter::column(int x) const {
+  const auto or_own = [&](int beside) { return beside < 0 ? x : beside; };
+  const int before = or_own(neighbour_column(grid_, x - 1)), after = or_own(neighbour_column(grid_, x + 1));
+  return {brush_.columns.row(x), brush_.columns.row(before), brush_.columns.row(after), brush_.joined.row(before),
+          brush_.joined.row(x)};
+}
+
+kernels::ColumnInView MapPainter::in_view(const Sides& sides) const {
+  const auto forward = [&](const VoxelProjection::Column& u) {
+    return linear(projection_.forward(u, 0), projection_.forward(u, 1));
+  };
+  const auto across = [&](const VoxelProjection::Column& u) {
+    const auto at = [&](double w) {
+      return camera_.focal * projection_.right(u, w) + camera_.cx * projection_.forward(u, w);
+    };
+    return linear(at(0), at(1));
+  };
+  const VoxelProjection::Column middle{0.5 * (sides.left.right + sides.right.right),
+                                       0.5 * (sides.left.forward + sides.right.forward)};
+  return {linear(grid_.inverse_depth(0), grid_.inverse_depth(0.5)),
+          forward(middle),
+          forward(sides.left),
+          forward(sides.right),
+          across(sides.left),
+          across(sides.right),
+          static_cast<float>(camera_.focal),
+          static_cast<float>(camera_.cy),
+          static_cast<float>(projection_.up(0, 1)),
+          static_cast<float>(map_.inverse_z.height),
+          static_cast<float>(map_.inverse_z.width),
+          static_cast<float>(1 / map_.scale)};
+}
+
+// May any voxel of this heading appear in the map?
+bool MapPainter::in_view(Heading h) const {
+  const auto u = projection_.column(h);
+  return u.forward > 0.2 || projection_.forward(u, grid_.w_near) > 0.2;
+}
+
+// Does the column stay outside the map at every disparity? Its place in the image is monotonic in inverse depth.
+bool MapPainter::beside_view(const Sides& sides) const {
+  const double end_px = 1.0 * map_.inverse_z.height, w_far = grid_.inverse_depth(0),
+               w_near = grid_.inverse_depth(kDisparitySteps);
+  const auto always = [&](const VoxelProjection::Column& u, const auto& outside) {
+    return projection_.forward(u, w_far) > 0.1 && projection_.forward(u, w_near) > 0.1 &&
+           outside(projection_.x_px(u, w_far)) && outside(projection_.x_px(u, w_near));
+  };
+  return always(sides.left, [&](double x_px) { return x_px > end_px + 1; }) ||
+         always(sides.right, [](double x_px) { return x_px < -1; });
+}
+
+void MapPainter::draw_box(int x, int y) {
+  const int y0 = boxes_.begin_y[y], y1 = boxes_.end_y[y];
+  if (y0 >= y1) return;
+  const auto nearness = static_cast<uint16_t>(boxes_.inverse_z[y]);
+  for (int column = boxes_.begin_x[y]; column < boxes_.end_x[y]; ++column) {
+    uint16_t* out = map_.inverse_z.row(column);
+    uint32_t* seen = seen_ ? seen_->row(column) : nullptr;
+    for (int at = y0; at < y1; ++at) {
+      if (out[at] >= nearness) continue;
+      out[at] = nearness;
+      if (seen) seen[at] = static_cast<uint32_t>(x * grid_.height + y);
+    }
+  }
+}
+
+void empty_map(const PanoramaGrid& grid, const UprightCamera& camera, const LayersOptions& options,
+               VisibilityMap& map) {
+  const double nearest = std::max(grid.w_near, 1e-9) * 4;  // cameras stand off the ray origins: some room
+  assign(map.inverse_z, camera.height, camera.width, kUncovered);
+  map.scale = nearest / 65535;
+  const double label = (grid.w_near - grid.w_far) / (kLabels - 1);
+  map.tolerance = static_cast<int>(std::min(65535.0, std::ceil(options.tolerance_labels * label / map.scale)));
+}
+
+}  // namespace ldp::layers
