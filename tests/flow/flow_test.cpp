@@ -231,7 +231,7 @@ TEST_F(Flow, ABuildWithoutAnOutputSaysWhichOptionIsMissing) {
   photo("photos/a.jpg");
   expect_refusal(
       {"build", path("photos")}, 2,
-      "-o FILE.ldp is missing: name the panorama to write, such as: ldp build " + path("photos") + " -o room.ldp");
+      "-o FILE.ldp is missing or empty: name the panorama to write, such as: ldp build " + path("photos") + " -o room.ldp");
 }
 
 TEST_F(Flow, AnEstimateTakesNoOptionThatItWouldNotHeed) {

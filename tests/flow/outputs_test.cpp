@@ -195,7 +195,7 @@ TEST_F(Outputs, AFileThatIsThereIsReplacedOnlyByOneOfItsKind) {
 }
 
 TEST_F(Outputs, AnEmptyNameIsRefusedInOneLine) {
-  expect_refusal({"build", path("x"), "-o", ""}, 2, "the name of an output is empty");
+  expect_refusal({"build", path("x"), "-o", ""}, 2, "-o FILE.ldp is missing or empty");
   expect_refusal({"scene", "room", "-o", ""}, 2, "no output folder is named");
   const std::string file = small_panorama();
   expect_refusal(render_path(file, "", 2), 2, "the name of an output is empty");
