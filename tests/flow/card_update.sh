@@ -1,0 +1,78 @@
+#!/bin/bash
+# A newer package on a card's boot partition: taken with its checksum alone, kept at later starts, given up for the one
+# before when the service does not come up; and started at every step of its being kept, as after a power cut.
+#   card_update.sh
+set -euo pipefail
+script=$(cd "$(dirname "$0")/../.." && pwd)/device/card/root/usr/lib/ldp-camera/take-update
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+fail() { echo "card_update: $*" >&2; exit 1; }
+
+# The script with its folders here; what it would lay over the root is a line.
+mkdir "$work/bin"
+sed -e "s#/data/update#$work/data#; s#/run/camera#$work/run#g; s#/boot/firmware#$work/boot#; s#dpkg-deb -x \"\(.*\)\" /#echo laid: \"\$(cat \"\1\")\"#" "$script" >"$work/take-update"
+grep -q 'echo laid' "$work/take-update" || fail "take-update lays in another way than this test knows"
+cat >"$work/bin/systemctl" <<SYSTEMCTL
+#!/bin/sh
+case "\$*" in *is-active*) [ -e $work/active ] ;; *daemon-reload) ;; *) echo "systemctl \$*" ;; esac
+SYSTEMCTL
+chmod +x "$work/bin/systemctl"
+take() { PATH=$work/bin:$PATH sh "$work/take-update" "$@" 2>&1; }
+
+fresh() { rm -rf "$work"/{boot,data,run} && mkdir "$work"/{boot,run} && touch "$work/run/ldpd.toml" "$work/active"; }
+package() { echo "layered-depth-panorama_$1_arm64.deb"; }
+offer() {
+  echo "package $1" >"$work/boot/$(package "$1")"
+  (cd "$work/boot" && sha256sum "$(package "$1")" >"$(package "$1").sha256")
+}
+expect() { grep -qF -- "$2" <<<"$1" || fail "expected '$2', it said: $1"; }
+expect_not() { ! grep -qF -- "$2" <<<"$1" || fail "did not expect '$2', it said: $1"; }
+
+fresh
+said=$(take lay)
+[ -z "$said" ] || fail "without a package it said: $said"
+offer 0.2.0 && rm "$work/boot/$(package 0.2.0).sha256"
+said=$(take lay)
+expect "$said" "its checksum, must lie beside it" && expect_not "$said" "laid"
+offer 0.2.0 && echo damage >>"$work/boot/$(package 0.2.0)"
+said=$(take lay)
+expect "$said" "copy both again" && expect_not "$said" "laid"
+
+offer 0.2.0
+tr a-f A-F <"$work/boot/$(package 0.2.0).sha256" | sed 's/^\([^ ]*\).*/\1\r/' >"$work/sum" && cp "$work/sum" "$work/boot/$(package 0.2.0).sha256"
+said=$(take lay && take judge)
+expect "$said" "laid: package 0.2.0" && expect "$(cat "$work/run/reports/update-report.txt")" "0.2.0_arm64.deb is installed"
+rm "$work"/boot/*
+expect "$(take lay && take judge)" "laid: package 0.2.0"  # kept
+
+offer 0.3.0
+rm "$work/active"
+said=$(take lay && take judge)
+expect "$said" "laid: package 0.3.0" && expect "$said" "systemctl --no-block reboot"
+touch "$work/active"
+said=$(take lay && take judge)
+expect "$said" "laid: package 0.2.0" && expect "$said" "the service did not come up with it" && expect_not "$said" "laid: package 0.3.0"
+
+offer 0.4.0  # it takes the machine with it before anybody can judge
+for _ in 1 2 3 4 5; do expect "$(take lay)" "laid: package 0.4.0"; done
+expect "$(take lay && take judge)" "laid: package 0.2.0"
+
+# Ended at each of its steps: the next start goes on to the new package.
+{
+  echo 'step=0 last=$1 && set -- lay'
+  for word in cp mv sync; do echo "$word() { step=\$((step + 1)) && [ \$step -ne \$last ] || exit 9; command $word \"\$@\"; }"; done
+  cat "$work/take-update"
+} >"$work/cut"
+steps=0
+while :; do
+  fresh
+  offer 0.2.0 && take lay >/dev/null && take judge >/dev/null
+  offer 0.3.0
+  steps=$((steps + 1))
+  PATH=$work/bin:$PATH sh "$work/cut" "$steps" >"$work/said" 2>&1 && cut=no || cut=yes
+  said=$(take lay && take judge)
+  expect "$said" "laid: package 0.3.0"
+  [ "$cut" = yes ] || break
+done
+[ "$steps" -gt 10 ] || fail "it was ended at $steps steps only"
+echo "an update is taken, kept and given up as it should, and at $((steps - 1)) steps of a power cut"
