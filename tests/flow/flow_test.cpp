@@ -229,9 +229,9 @@ TEST_F(Flow, RefusesAnOutputThatCannotBeWrittenBeforeTheWorkBegins) {
 
 TEST_F(Flow, ABuildWithoutAnOutputSaysWhichOptionIsMissing) {
   photo("photos/a.jpg");
-  expect_refusal(
-      {"build", path("photos")}, 2,
-      "-o FILE.ldp is missing or empty: name the panorama to write, such as: ldp build " + path("photos") + " -o room.ldp");
+  expect_refusal({"build", path("photos")}, 2,
+                 "-o FILE.ldp is missing or empty: name the panorama to write, such as: ldp build " + path("photos") +
+                     " -o room.ldp");
 }
 
 TEST_F(Flow, AnEstimateTakesNoOptionThatItWouldNotHeed) {

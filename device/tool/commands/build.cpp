@@ -85,8 +85,8 @@ int judged(const BuildCommand& command, const SweepQuality& quality) {
 
 void check_outputs(const BuildCommand& command) {
   if (command.output.empty())
-    throw BadInput("-o FILE.ldp is missing or empty: name the panorama to write, such as: ldp build " + command.setup.capture() +
-                   " -o room.ldp");
+    throw BadInput("-o FILE.ldp is missing or empty: name the panorama to write, such as: ldp build " +
+                   command.setup.capture() + " -o room.ldp");
   check_output_file(command.output, OutputKind::panorama);
   if (std::filesystem::weakly_canonical(command.report) == std::filesystem::weakly_canonical(command.output))
     throw BadInput(command.report + ": is named for the panorama and for the report: choose two names");
