@@ -51,7 +51,7 @@ void MapPainter::paint(int x) {
   if (!in_view(left) && !in_view(right)) return;
   const Sides sides{projection_.column(left), projection_.column(right)};
   if (beside_view(sides)) return;
-  kernels::best().find_boxes(column(x), in_view(sides), brush_.edges_v.data(), grid_.height, boxes_);
+  kernels::best().find_boxes(column(x), projected(sides), brush_.edges_v.data(), grid_.height, boxes_);
   for (int y = 0; y < grid_.height; ++y) draw_box(x, y);
 }
 
@@ -62,7 +62,7 @@ kernels::DisparityColumn MapPainter::column(int x) const {
           brush_.joined.row(x)};
 }
 
-kernels::ColumnInView MapPainter::in_view(const Sides& sides) const {
+kernels::ColumnInView MapPainter::projected(const Sides& sides) const {
   const auto forward = [&](const VoxelProjection::Column& u) {
     return linear(projection_.forward(u, 0), projection_.forward(u, 1));
   };

@@ -45,7 +45,7 @@ class MapPainter {
   bool in_view(Heading h) const;
   bool beside_view(const Sides& sides) const;
   kernels::DisparityColumn column(int x) const;
-  kernels::ColumnInView in_view(const Sides& sides) const;
+  kernels::ColumnInView projected(const Sides& sides) const;
   void draw_box(int x, int y);
 
   const PanoramaGrid& grid_;
