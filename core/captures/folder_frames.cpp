@@ -115,24 +115,6 @@ Camera scaled(Camera camera, ImageSize size) {
   return camera;
 }
 
-// At least one.
-std::vector<PhotoFile> photos_of_capture(const fs::path& folder) {
-  if (!fs::exists(folder)) throw std::runtime_error(folder.string() + ": there is no such folder: check the name");
-  if (!fs::is_directory(folder))
-    throw std::runtime_error(folder.string() + ": is not a folder: give a folder of photos");
-  std::vector<fs::path> files = list_photos(folder);
-  const bool has_frames = fs::is_directory(folder / "frames");
-  if (files.empty() && has_frames) files = list_photos(folder / "frames");
-  if (!files.empty()) {
-    std::vector<PhotoFile> photos;
-    for (const fs::path& file : files) photos.push_back({file, file.string()});
-    return photos;
-  }
-  const std::string other = what_else(has_frames ? folder / "frames" : folder);
-  throw std::runtime_error(folder.string() + ": " +
-                           (other.empty() ? "no .jpg or .png photos in it: give a folder of photos" : other));
-}
-
 std::optional<double> positive(const nlohmann::json& json, const char* key) {
   const std::optional<double> value = number_field(json, key);
   return value && *value > 0 ? value : std::nullopt;
@@ -171,6 +153,23 @@ std::vector<fs::path> list_photos(const fs::path& folder) {
     return precedes_naturally(a.filename().string(), b.filename().string());
   });
   return files;
+}
+
+std::vector<PhotoFile> photos_of_capture(const fs::path& folder) {
+  if (!fs::exists(folder)) throw std::runtime_error(folder.string() + ": there is no such folder: check the name");
+  if (!fs::is_directory(folder))
+    throw std::runtime_error(folder.string() + ": is not a folder: give a folder of photos");
+  std::vector<fs::path> files = list_photos(folder);
+  const bool has_frames = fs::is_directory(folder / "frames");
+  if (files.empty() && has_frames) files = list_photos(folder / "frames");
+  if (!files.empty()) {
+    std::vector<PhotoFile> photos;
+    for (const fs::path& file : files) photos.push_back({file, file.string()});
+    return photos;
+  }
+  const std::string other = what_else(has_frames ? folder / "frames" : folder);
+  throw std::runtime_error(folder.string() + ": " +
+                           (other.empty() ? "no .jpg or .png photos in it: give a folder of photos" : other));
 }
 
 FolderFrames::FolderFrames(const fs::path& folder, const FolderFramesOptions& options)

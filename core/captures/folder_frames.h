@@ -56,6 +56,10 @@ class FolderFrames : public FrameSource {
   int orientation_;
 };
 
+// Those FolderFrames takes of a folder, at least one. Only lists: what is in them is not looked at. Throws
+// std::runtime_error naming the folder and what to do.
+std::vector<PhotoFile> photos_of_capture(const std::filesystem::path& folder);
+
 // Photos of a folder in order. Empty when there is none.
 std::vector<std::filesystem::path> list_photos(const std::filesystem::path& folder);
 

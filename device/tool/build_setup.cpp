@@ -55,8 +55,7 @@ Intake take_in(const BuildSetup& setup, const Job& job) {
 
 // A folder without photos says what it has instead.
 FolderFrames frames_of(const Intake& intake, const BuildSetup& setup) {
-  if (intake.photos().empty()) return open_folder(setup);
-  return {intake.photos(), setup.capture(), frames_options(setup)};
+  return open_photos(setup, intake.photos().empty() ? photos_of_capture(setup.capture()) : intake.photos());
 }
 
 }  // namespace
@@ -132,7 +131,9 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
       ->default_str("0");
 }
 
-FolderFrames open_folder(const BuildSetup& setup) { return FolderFrames(setup.capture(), frames_options(setup)); }
+FolderFrames open_photos(const BuildSetup& setup, std::vector<PhotoFile> photos) {
+  return {std::move(photos), setup.capture(), frames_options(setup)};
+}
 
 PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes, const FolderFrames& frames) {
   PosesOptions options = setup.build.poses;

@@ -37,7 +37,7 @@ struct PreparedBuild {
   BuildOptions options;  // complete: notes and given cameras applied
 };
 
-FolderFrames open_folder(const BuildSetup& setup);  // where it is one
+FolderFrames open_photos(const BuildSetup& setup, std::vector<PhotoFile> photos);
 PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes, const FolderFrames& frames);
 
 // Reads what the options name, and unpacks it. Throws BadInput or std::runtime_error.

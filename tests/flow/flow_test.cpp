@@ -128,8 +128,10 @@ TEST_F(Flow, ABuildThatFollowsTheSweepGivesTheSameBytes) {
   ASSERT_EQ(ldp(build_to("plain.ldp", {})).status, 0);
   fs::rename(from + "/frames", path("all"));
   fs::create_directory(from + "/frames");
-  // Photos come one by one; the last are not spoken of, as if they had come while "end" was said.
-  const std::string arm = "for photo in $(ls " + path("all") + "); do cp " + path("all") + "/$photo " + from +
+  // Photos come one by one; the last are not spoken of, as if they had come while "end" was said. One is still being
+  // written all the time.
+  const std::string arm = "touch " + from + "/frames/007.png; for photo in $(ls " + path("all") + "); do cp " +
+                          path("all") + "/$photo " + from +
                           "/frames/; [ $photo \\> 006 ] || echo $photo; sleep 0.02; done; echo end";
   const Outcome followed = Running(build_to("followed.ldp", {"--follow"}), room_, fed_by(arm)).wait();
   ASSERT_EQ(followed.status, 0) << followed.err;

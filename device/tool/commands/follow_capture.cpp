@@ -44,9 +44,9 @@ class Lines {
   std::string text_;
 };
 
-int index_of(const FolderFrames& frames, const std::string& name, const std::string& folder) {
-  for (int i = 0; i < frames.size(); ++i) {
-    if (frames.name(i) == name) return i;
+size_t index_of(const std::vector<PhotoFile>& photos, const std::string& name, const std::string& folder) {
+  for (size_t i = 0; i < photos.size(); ++i) {
+    if (photos[i].path.filename() == name) return i;
   }
   throw std::runtime_error(folder + ": there is no photo '" + name + "' in it: name photos once they are stored");
 }
@@ -61,12 +61,14 @@ PoseEstimator follow_capture(const BuildSetup& setup, int lines_fd, const Job& j
     const bool complete = names.back() == "end";
     if (complete) names.pop_back();
     if (names.empty()) return poses;
-    const FolderFrames frames = open_folder(setup);
-    int count = 0;
-    for (const std::string& name : names) count = std::max(count, index_of(frames, name, setup.capture()) + 1);
+    std::vector<PhotoFile> photos = photos_of_capture(setup.capture());
+    size_t count = static_cast<size_t>(poses.size());
+    for (const std::string& name : names) count = std::max(count, index_of(photos, name, setup.capture()) + 1);
     if (complete) return poses;
+    photos.resize(std::min(count, photos.size()));  // what comes after may still be being written
+    const FolderFrames frames = open_photos(setup, std::move(photos));
     if (poses.size() == 0) poses = PoseEstimator(poses_options(setup, read_capture_notes(setup.capture()), frames));
-    poses.add_frames(frames, std::max(count, poses.size()), job);
+    poses.add_frames(frames, frames.size(), job);
   }
 }
 
