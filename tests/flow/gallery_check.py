@@ -314,7 +314,7 @@ class Start(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             short = pathlib.Path(folder) / "token"
             short.write_text("short\n")
-            for words, said in [(["/nonexistent"], "cannot open the folder"), ([folder, "--listen", "nonsense"], "is no address"),
+            for words, said in [(["/nonexistent"], "cannot open the folder /nonexistent: No such file or directory: give the folder"), ([folder, "--listen", "nonsense"], "is no address"),
                                 ([folder, "--listen", "192.0.2.1:80"], "cannot listen on"), ([folder, "--token-file", short], "16 characters")]:
                 done = subprocess.run([LDP, "serve", *map(str, words)], capture_output=True, text=True, timeout=20)
                 self.assertNotEqual(done.returncode, 0)

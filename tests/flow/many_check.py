@@ -163,7 +163,9 @@ class Many(unittest.TestCase):
         self.assertEqual(run("summary", many, "--html", self.room / "all.html").returncode, 0)
         (self.room / "own.html").write_text("<title>mine</title>")
         self.assertEqual(run("summary", many, "--html", self.room / "own.html").returncode, 2)
-        self.assertEqual(run("summary", self.room / "none").returncode, 2)
+        refused = run("summary", self.room / "none")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("there is no such folder: check the name", refused.stderr)
 
 
 if __name__ == "__main__":

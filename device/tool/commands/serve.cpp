@@ -37,7 +37,7 @@ gallery::Folder open_folder(const std::string& folder) {
   try {
     return gallery::Folder(folder);
   } catch (const std::system_error& error) {
-    throw BadInput(error.what());
+    throw BadInput(error.what() + std::string(": give the folder of the panoramas"));
   }
 }
 
