@@ -65,11 +65,14 @@ TEST_F(ToolParts, AFileIsReplacedOnlyByOneOfItsKind) {
       {put("a.glb", "glTF layered-depth-panorama").string(), OutputKind::mesh},
       {put("a.html", "<title>Layered depth panorama</title>").string(), OutputKind::viewer},
       {put("a.mp4", std::string(100'000, 'x') + kRendered).string(), OutputKind::film}};
+  const auto refused = [](const std::string& file, OutputKind kind) {
+    return refusal([&] { check_output_file(file, kind); });
+  };
   for (const auto& [file, kind] : own) {
-    EXPECT_EQ(refusal([&] { check_output_file(file, kind); }), "") << file;
+    EXPECT_EQ(refused(file, kind), "") << file;
     for (const auto& [other, other_kind] : own) {
       if (other_kind == kind) continue;
-      EXPECT_NE(refusal([&] { check_output_file(other, kind); }), "") << other << " by " << file;
+      EXPECT_NE(refused(other, kind), "") << other << " by " << file;
     }
   }
 }
