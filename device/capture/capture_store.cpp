@@ -113,6 +113,7 @@ std::string capture_json(const CaptureRecord& record) {
   if (record.fov_rad) json["fov_degrees"] = *record.fov_rad * 57.29577951308232;
   json["exposure_locked"] = record.exposure_locked;
   json["begin_utc"] = utc(record.begin_utc_ns);
+  json["clock_synchronized"] = record.clock_synchronized;
   json["begin_ns"] = record.begin_ns;
   if (record.end_ns != 0) json["end_ns"] = record.end_ns;
   json["complete"] = record.complete;

@@ -40,6 +40,7 @@ struct CaptureRecord {
   std::optional<double> fov_rad;
   bool exposure_locked = false;
   int64_t begin_utc_ns = 0, begin_ns = 0, end_ns = 0;  // button times
+  bool clock_synchronized = true;                      // else the first of them may be wrong by any amount
   bool complete = false;                               // the sweep was ended in order
   std::string end_reason;
   std::vector<FrameRecord> frames;

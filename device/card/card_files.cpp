@@ -33,6 +33,7 @@ Config service_config(const CardSettings& settings) {
   config.camera = settings.camera;
   config.button = button_url(settings);
   config.mode = settings.button_mode;
+  config.switch_off_s = settings.switch_off_s;
   config.arm_length_m = settings.arm_length_m;
   config.effort = settings.effort;
   config.device_name = settings.name;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
 #include <map>
 #include <string_view>
@@ -88,7 +87,8 @@ class CardReader {
     text("name", settings_.name, wrong_name);
     text("camera", settings_.camera, [](const std::string& url) { return complaint_of(check_camera, url); });
     text("effort", settings_.effort, [](const std::string& name) { return complaint_of(check_effort, name); });
-    keys_["arm_length_m"] = [this](const toml::node& node) { return read_arm(node); };
+    number("arm_length_m", settings_.arm_length_m, "expected metres, a number from 0.05 to 10",
+           [](double metres) { return metres >= kLeastArm_m && metres <= kLongestArm_m; });
     keys_["gallery"] = [this](const toml::node& node) {
       const auto value = node.value_exact<bool>();
       settings_.gallery = value.value_or(settings_.gallery);
@@ -99,6 +99,8 @@ class CardReader {
       settings_.button_mode = mode == "toggle" ? ButtonMode::toggle : ButtonMode::hold;
       return mode == "toggle" || mode == "hold";
     });
+    number("button.switch_off_s", settings_.switch_off_s, "expected seconds, 0 or a number from 4 to 60",
+           [](double seconds) { return seconds == 0 || (seconds >= 4 && seconds <= 60); });
     line("led.line", settings_.led_line, wrong_led);
     word("network.kind", "expected 'none', 'cable', 'wifi' or 'access-point'", [this](const std::string& kind) {
       const auto found =
@@ -176,12 +178,13 @@ class CardReader {
     };
   }
 
-  Complaint read_arm(const toml::node& node) {
-    const auto value = node.value<double>();
-    if (!value || !std::isfinite(*value) || *value < kLeastArm_m || *value > kLongestArm_m)
-      return "expected metres, a number from 0.05 to 10";
-    settings_.arm_length_m = *value;
-    return {};
+  void number(const char* key, double& field, const char* expected, const std::function<bool(double)>& good) {
+    keys_[key] = [&field, expected, good](const toml::node& node) {
+      const auto value = node.value<double>();
+      if (!value || !good(*value)) return Complaint(expected);
+      field = *value;
+      return Complaint();
+    };
   }
 
   static int line_of(const toml::key& name) { return static_cast<int>(name.source().begin.line); }

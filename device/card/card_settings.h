@@ -23,6 +23,7 @@ struct CardSettings {
   // GPIO lines: "GPIO17", any name that gpioinfo lists, or "gpiochip0/17".
   std::string button_line = "GPIO17";
   ButtonMode button_mode = ButtonMode::hold;
+  double switch_off_s = 8;          // held so long without turning; 0 = never
   std::string led_line = "GPIO27";  // empty: no LED
 
   Network network = Network::none;

@@ -291,6 +291,14 @@ void CaptureCycle::interrupt() {
   if (run_ != Run::service) exit_status_ = 1;
 }
 
+void CaptureCycle::switch_off() {
+  if (is_taking() && sweep_->guidance().covered_rad >= kStandsStill_rad) return;
+  handle(is_taking() ? Event::cancel : Event::shutdown, {Why::held_to_switch_off, {}});
+  say(text_of({Why::held_to_switch_off, {}}));
+  over_ = true;
+  exit_status_ = kSwitchOffStatus;
+}
+
 void CaptureCycle::store_what_waits(EndRequest& end_request) {
   wait_for_last_frames({writer_, end_request, notice_, run_ != Run::service, [this] { serve_writer(); }});
 }

@@ -22,6 +22,9 @@
 
 namespace ldp {
 
+// The service's exit status when the button was held to switch the device off, which is then the system's to do.
+inline constexpr int kSwitchOffStatus = 10;
+
 enum class Run : uint8_t {
   service,       // until told to stop
   once,          // one sweep, its build, then the end
@@ -54,6 +57,7 @@ class CaptureCycle {
   bool over() const { return over_; }  // of a single run, or told so
   void end_run(const Reason& reason);  // that waits for what will not come
   void interrupt();                    // whatever goes on is left for the next start
+  void switch_off();                   // the same; but a press at which the camera has turned is a sweep
   void store_what_waits(EndRequest& end_request);
   void leave_in_order(bool in_sweep);  // `in_sweep`: it was storing when it was interrupted
   void tell_ignored() { announcer_.tell_ignored(true); }

@@ -17,7 +17,7 @@ CaptureSession::CaptureSession(Config config, Run run, std::stop_token stop)
       run_(run),
       end_request_(std::move(stop)),
       cycle_(config_, run_, notice_),
-      button_(config_.button) {
+      button_(config_.button, run_ == Run::service ? config_.switch_off_s : 0) {
   if (run_ == Run::service)
     button_.try_again(monotonic_now_ns());
   else
@@ -60,13 +60,13 @@ Watches CaptureSession::watches() {
 
 int64_t CaptureSession::next_deadline_ns() const {
   int64_t deadline_ns = std::min(next_tick_ns_, cycle_.deadline_ns());
-  if (const auto long_ns = button_.long_press_at_ns()) deadline_ns = std::min(deadline_ns, *long_ns);
+  if (const auto hold_ns = button_.next_hold_at_ns()) deadline_ns = std::min(deadline_ns, *hold_ns);
   if (const auto feed_ns = notice_.watchdog_deadline_ns()) deadline_ns = std::min(deadline_ns, *feed_ns);
   return deadline_ns;
 }
 
 void CaptureSession::check_deadlines(int64_t now_ns) {
-  if (button_.take_long_press(now_ns)) cycle_.handle(Event::long_press, {Why::held_to_cancel, {}});
+  if (const auto hold = button_.take_hold(now_ns)) button_is_held(*hold);
   cycle_.check_deadlines(now_ns, ready());
   if (now_ns >= next_tick_ns_) tick(now_ns);
 }
@@ -95,6 +95,15 @@ void CaptureSession::serve_button() {
 void CaptureSession::button_changed(const ButtonEvent& event) {
   button_.note(event);
   cycle_.handle(event.pressed ? Event::press : Event::release, {Why::ended_by_button, {}});
+}
+
+void CaptureSession::button_is_held(Hold hold) {
+  switch (hold) {
+    case Hold::cancels:
+      return cycle_.handle(Event::long_press, {Why::held_to_cancel, {}});
+    case Hold::switches_off:
+      return cycle_.switch_off();
+  }
 }
 
 void CaptureSession::obey(Command command) {

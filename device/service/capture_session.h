@@ -34,7 +34,8 @@ class CaptureSession {
   CaptureSession(const CaptureSession&) = delete;
   CaptureSession& operator=(const CaptureSession&) = delete;
 
-  // Until asked to end or the end of what was to be run once. The exit status: 0, or 1 when a single run failed.
+  // Until asked to end or the end of what was to be run once. The exit status: 0, 1 when a single run failed, or
+  // kSwitchOffStatus.
   int run();
   const std::string& last_failure() const { return cycle_.last_failure(); }
   int frames_stored() const { return cycle_.frames_stored(); }
@@ -48,6 +49,7 @@ class CaptureSession {
   void serve_button();
   void serve_end_request();
   void button_changed(const ButtonEvent& event);
+  void button_is_held(Hold hold);
   void obey(Command command);
   void end_in_order();
   Reason ready() const;

@@ -42,6 +42,8 @@ std::string text_of(const Reason& reason) {
       return "cancelled by command";
     case Why::shutting_down:
       return "shutting down";
+    case Why::held_to_switch_off:
+      return "switching off: the button was held";
     case Why::no_room:
       return "no room for another sweep on the disk: 0 sweeps left; copy captures away and delete them";
     case Why::button_lost:

@@ -20,6 +20,7 @@ enum class Why : uint8_t {
   held_to_cancel,  // the button, for kLongPress_s
   cancelled_by_command,
   shutting_down,
+  held_to_switch_off,
   // a sweep does not begin, or a single run waits for what will not come
   no_room,       // on the disk
   cannot_begin,  // detail: the camera that cannot be opened, the folder that cannot be made

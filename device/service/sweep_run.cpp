@@ -46,6 +46,7 @@ SweepRun::SweepRun(const Config& config, std::unique_ptr<CameraDevice> camera, s
   record_.arm_length_m = config.arm_length_m;
   if (config.fov_degrees > 0) record_.fov_rad = config.fov_degrees * kRadians;
   record_.begin_utc_ns = utc_now_ns();
+  record_.clock_synchronized = utc_is_synchronized();
   record_.begin_ns = monotonic_now_ns();
   camera_->start();
   start_ns_ = last_frame_ns_ = monotonic_now_ns();

@@ -1,5 +1,8 @@
 #include "drivers/interface/clocks.h"
 
+#include <sys/timex.h>
+#include <unistd.h>
+
 #include <ctime>
 
 namespace ldp {
@@ -15,6 +18,12 @@ int64_t now_ns(clockid_t clock) {
 
 int64_t monotonic_now_ns() { return now_ns(CLOCK_MONOTONIC); }
 int64_t utc_now_ns() { return now_ns(CLOCK_REALTIME); }
+
+bool utc_is_synchronized() {
+  timex question{};
+  const int state = ::adjtimex(&question);
+  return (state >= 0 && state != TIME_ERROR) || ::access("/run/systemd/timesync/synchronized", F_OK) == 0;
+}
 
 const char* utc_text(int64_t utc_ns, char (&buffer)[32]) {
   const time_t seconds = static_cast<time_t>(utc_ns / 1'000'000'000);

@@ -181,6 +181,12 @@ class LdpdTest : public testing::Test {
                                        << sweep;
   }
 
+  void configure_switch_off(const std::string& mode) {
+    configure("mode = \"" + mode + "\"\n");
+    const std::string rest = text_of(room_ / "ldpd.toml");
+    std::ofstream(room_ / "ldpd.toml") << "switch_off_seconds = 4\n" << rest;
+  }
+
   std::vector<std::string> command(const std::vector<std::string>& more, const std::string& camera_options = "") {
     if (!fs::exists(room_ / "ldpd.toml")) configure();
     std::vector<std::string> words{LDPD_PROGRAM,

@@ -295,6 +295,42 @@ TEST_F(LdpdTest, InToggleModeAHeldButtonCancelsTheSweep) {
   EXPECT_FALSE(fs::exists(capture()));
 }
 
+TEST_F(LdpdTest, AButtonHeldWithoutTurningSwitchesOff) {
+  for (const char* const mode : {"hold", "toggle"}) {
+    fs::remove_all(room_ / "frames");
+    make_frames(1, 200, 150);
+    configure_switch_off(mode);
+    script("press wait 300000 release");
+    const Finished end = Process(command({}, "&hold=yes"), room_ / mode).wait();
+    EXPECT_EQ(end.status, 10) << end.said;
+    EXPECT_THAT(end.said, HasSubstr("switching off: the button was held"));
+    EXPECT_FALSE(fs::exists(capture()));
+  }
+}
+
+TEST_F(LdpdTest, AButtonHeldForALongSweepSwitchesNothingOff) {
+  configure_switch_off("hold");
+  script("press wait " + std::to_string(kSanitized ? 40000 : 5500) + " release");
+  Process service(command({}, "&hold=yes"), room_ / "said");
+  EXPECT_TRUE(service.says("sweep_000001.ldp is ready")) << text_of(room_ / "said");
+  EXPECT_EQ(service.stop(SIGTERM).status, 0);
+  EXPECT_EQ(frames_in(capture()), 14);
+}
+
+TEST_F(LdpdTest, SwitchedOffInMidBuildTheNextStartBuildsIt) {
+  build_program("[ -e \"$capture.go\" ] || exec sleep 100");
+  configure_switch_off("hold");
+  script("press wait " + time_for_all(1500) + " release wait 1000 press wait 300000 release");
+  const Finished end = Process(command({}), room_ / "said").wait();
+  EXPECT_EQ(end.status, 10) << end.said;
+  EXPECT_THAT(end.said, HasSubstr("switching off"));
+  std::ofstream(capture().string() + ".go") << "x";
+  script("wait 1");
+  Process again(command({}), room_ / "said2");
+  EXPECT_TRUE(again.says("sweep_000001.ldp is ready"));
+  again.stop(SIGTERM);
+}
+
 TEST_F(LdpdTest, InToggleModeASecondPressEndsTheSweep) {
   configure("mode = \"toggle\"\n");
   script("press wait 50 release wait " + time_for_all(1500) + " press wait 50 release");

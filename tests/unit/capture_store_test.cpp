@@ -136,6 +136,9 @@ TEST(CaptureJson, SaysWhatIsKnown) {
   record.width = 640;
   record.frames = {{"frame_000.jpg", 123, 4, 0.01, 2.0}, {"frame_001.jpg", 456, 9, {}, {}}};
   const auto json = nlohmann::json::parse(capture_json(record));
+  EXPECT_EQ(json["clock_synchronized"], true);
+  record.clock_synchronized = false;
+  EXPECT_EQ(nlohmann::json::parse(capture_json(record))["clock_synchronized"], false);
   EXPECT_EQ(json["device"], "camera 7");
   EXPECT_EQ(json["frames"][0]["exposure_s"], 0.01);
   EXPECT_FALSE(json["frames"][1].contains("gain"));

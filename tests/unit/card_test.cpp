@@ -93,6 +93,7 @@ TEST(Card, EveryMistakeIsNamedWithItsLine) {
       "[button]\n"
       "line = 17.5\n"
       "mode = 'click'\n"
+      "switch_off_s = 3\n"
       "[led]\n"
       "line = 'GPIO27?bias=up'\n"
       "[network]\n"
@@ -110,12 +111,13 @@ TEST(Card, EveryMistakeIsNamedWithItsLine) {
        {6, "unknown key 'colour'"},
        {8, "button.line: expected the GPIO line's number"},
        {9, "button.mode: expected 'hold' or 'toggle'"},
-       {11, "led.line: expected the GPIO line's number"},
-       {13, "network.kind: expected 'none', 'cable', 'wifi' or 'access-point'"},
-       {14, "network.ssid: expected the network's name"},
-       {15, "network.password: expected 8 to 63"},
-       {16, "network.country: expected two capital letters"},
-       {17, "unknown section 'light'"}});
+       {10, "button.switch_off_s: expected seconds"},
+       {12, "led.line: expected the GPIO line's number"},
+       {14, "network.kind: expected 'none', 'cable', 'wifi' or 'access-point'"},
+       {15, "network.ssid: expected the network's name"},
+       {16, "network.password: expected 8 to 63"},
+       {17, "network.country: expected two capital letters"},
+       {18, "unknown section 'light'"}});
 }
 
 TEST(Card, ANetworkOfWhichHalfIsSaidIsAMistake) {
@@ -151,11 +153,13 @@ TEST(Card, TheServiceIsToldOfButtonLightArmAndEffort) {
                              "effort = 'fast'\n"
                              "button.line = 'gpiochip0/5'\n"
                              "button.mode = 'toggle'\n"
+                             "button.switch_off_s = 5\n"
                              "led.line = 4\n"));
   EXPECT_EQ(config.camera, "libcamera:0");
   EXPECT_EQ(config.button, "gpiod:gpiochip0/5?active_low=yes&bias=pull-up");
   EXPECT_EQ(config.mode, ButtonMode::toggle);
   EXPECT_EQ(config.status, (std::vector<std::string>{"console:", "led:name=GPIO4"}));
+  EXPECT_EQ(config.switch_off_s, 5);
   EXPECT_EQ(config.arm_length_m, 1);
   EXPECT_EQ(config.effort, "fast");
   EXPECT_EQ(config.device_name, "attic");

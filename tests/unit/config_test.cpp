@@ -31,6 +31,7 @@ TEST(Config, EveryMistakeIsNamedWithItsLine) {
       "camera = \"webcam:0\"\n"
       "buton = \"keyboard:\"\n"
       "status = \"console:\"\n"
+      "switch_off_seconds = 3\n"
       "[sweep]\n"
       "overlap = 2.0\n"
       "mode = \"press\"\n"
@@ -40,10 +41,11 @@ TEST(Config, EveryMistakeIsNamedWithItsLine) {
       "options = [1]\n"
       "[network]\n"
       "port = 80\n");
-  ASSERT_EQ(checked.mistakes.size(), 9U);
-  const std::pair<int, const char*> expected[] = {{1, "webcam"},        {2, "buton"},      {3, "list"},
-                                                  {5, "0.3 to 0.95"},   {6, "\"toggle\""}, {7, "whole"},
-                                                  {9, "true or false"}, {10, "options"},   {11, "network"}};
+  ASSERT_EQ(checked.mistakes.size(), 10U);
+  const std::pair<int, const char*> expected[] = {
+      {1, "webcam"},      {2, "buton"},      {3, "list"},  {4, "0 or a number from 4 to 60"},
+      {6, "0.3 to 0.95"}, {7, "\"toggle\""}, {8, "whole"}, {10, "true or false"},
+      {11, "options"},    {12, "network"}};
   for (size_t i = 0; i < std::size(expected); ++i) {
     EXPECT_EQ(checked.mistakes[i].line, expected[i].first) << checked.mistakes[i].text;
     EXPECT_THAT(checked.mistakes[i].text, HasSubstr(expected[i].second));

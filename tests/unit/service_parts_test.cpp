@@ -239,19 +239,32 @@ TEST_F(Room, AMissingButtonIsTriedAgainFromTimeToTimeOnly) {
 TEST(ButtonPort, APressThatLastsIsALongOneOnce) {
   ButtonPort port("keyboard:");
   const int64_t long_ns = kLongPress_s * kSecond_ns;
-  EXPECT_EQ(port.long_press_at_ns(), std::nullopt);
-  EXPECT_FALSE(port.take_long_press(100 * long_ns));
+  EXPECT_EQ(port.next_hold_at_ns(), std::nullopt);
+  EXPECT_EQ(port.take_hold(100 * long_ns), std::nullopt);
   port.note({true, 1000});
-  EXPECT_EQ(port.long_press_at_ns(), 1000 + long_ns);
-  EXPECT_FALSE(port.take_long_press(999 + long_ns));
-  EXPECT_TRUE(port.take_long_press(1000 + long_ns));
-  EXPECT_FALSE(port.take_long_press(2000 + long_ns)) << "told twice";
+  EXPECT_EQ(port.next_hold_at_ns(), 1000 + long_ns);
+  EXPECT_EQ(port.take_hold(999 + long_ns), std::nullopt);
+  EXPECT_EQ(port.take_hold(1000 + long_ns), Hold::cancels);
+  EXPECT_EQ(port.take_hold(2000 + long_ns), std::nullopt) << "told twice";
   port.note({true, 5000});
   port.note({false, 6000});
-  EXPECT_FALSE(port.take_long_press(100 * long_ns)) << "it was let go";
+  EXPECT_EQ(port.take_hold(100 * long_ns), std::nullopt) << "it was let go";
   port.note({true, 7000});
   port.close();
-  EXPECT_EQ(port.long_press_at_ns(), std::nullopt);
+  EXPECT_EQ(port.next_hold_at_ns(), std::nullopt);
+}
+
+TEST(ButtonPort, AStillLongerPressSwitchesOffWhereThatIsAskedFor) {
+  ButtonPort port("keyboard:", 2.0 * kLongPress_s);
+  const int64_t long_ns = kLongPress_s * kSecond_ns;
+  port.note({true, 1000});
+  EXPECT_EQ(port.take_hold(1000 + long_ns), Hold::cancels);
+  EXPECT_EQ(port.next_hold_at_ns(), 1000 + 2 * long_ns);
+  EXPECT_EQ(port.take_hold(999 + 2 * long_ns), std::nullopt);
+  EXPECT_EQ(port.take_hold(1000 + 2 * long_ns), Hold::switches_off);
+  EXPECT_EQ(port.take_hold(9 * long_ns), std::nullopt);
+  port.note({true, 5000});
+  EXPECT_EQ(port.next_hold_at_ns(), 5000 + long_ns) << "another press begins anew";
 }
 
 // --- notices to systemd ----------------------------------------------------------------------------------------------
