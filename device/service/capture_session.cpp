@@ -92,9 +92,11 @@ void CaptureSession::serve_button() {
   }
 }
 
+// How long a press lasts counts from when what it began is begun: to open a camera may take longer.
 void CaptureSession::button_changed(const ButtonEvent& event) {
-  button_.note(event);
+  const int64_t begin_ns = monotonic_now_ns();
   cycle_.handle(event.pressed ? Event::press : Event::release, {Why::ended_by_button, {}});
+  button_.note({event.pressed, event.time_ns + (monotonic_now_ns() - begin_ns)});
 }
 
 void CaptureSession::button_is_held(Hold hold) {

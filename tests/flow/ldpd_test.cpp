@@ -317,6 +317,17 @@ TEST_F(LdpdTest, AButtonHeldForALongSweepSwitchesNothingOff) {
   EXPECT_EQ(frames_in(capture()), 14);
 }
 
+TEST_F(LdpdTest, ACameraThatTakesLongToOpenIsNoHeldButton) {
+  for (const char* const mode : {"hold", "toggle"}) {
+    fs::remove_all(room_ / "out");
+    configure_switch_off(mode);
+    script("press wait " + std::to_string(kSanitized ? 17000 : 6500) + " release wait 10 press");
+    Process service(with_faults("open frames/frame_000.jpg 1 delay 5000", command({}, "&hold=yes")), room_ / mode);
+    EXPECT_TRUE(service.says("sweep_000001.ldp is ready")) << text_of(room_ / mode);
+    EXPECT_EQ(service.stop(SIGTERM).status, 0);
+  }
+}
+
 TEST_F(LdpdTest, SwitchedOffInMidBuildTheNextStartBuildsIt) {
   build_program("[ -e \"$capture.go\" ] || exec sleep 100");
   configure_switch_off("hold");
