@@ -83,4 +83,9 @@ inline constexpr size_t kSweepsToGoBy = 5;
 inline constexpr int kLockAttempts = 20;
 inline constexpr std::chrono::milliseconds kLockInterval{25};
 
+// A camera stands still while every frame matches the first one, moved by less than this (0.03 .. 0.3), and at least so
+// many did (3 .. 20).
+inline constexpr double kStandsStill_rad = 0.1;
+inline constexpr int kStillFrames = 5;
+
 }  // namespace ldp

@@ -36,6 +36,8 @@ Verdict FrameChooser::offer(const OfferedFrame& frame) {
     verdict.store_this = true;
     return verdict;
   }
+  moved_ = moved_ || !shows_the_first_place(frame.thumbnail);
+  if (!moved_) ++still_frames_;
   const double wanted = 1 - options_.overlap;
   seen.step = step_to(seen.thumbnail, &tilt_);
   if (seen.step > wanted && held_) {
@@ -148,6 +150,14 @@ bool FrameChooser::came_round(const GreyImage& thumbnail) {
   const double passed = direction_ * (before->dx_px - now.dx_px) / thumbnail.width;
   return passed > -kHandShake && std::abs(now.dx_px) < kBeside * thumbnail.width;
 }
+
+bool FrameChooser::shows_the_first_place(const GreyImage& thumbnail) const {
+  const Shift shift = estimate_shift(*first_, thumbnail);
+  const double moved_rad = std::hypot(shift.dx_px, shift.dy_px) / thumbnail.width * options_.fov_rad;
+  return shift.match >= kGoodMatch && moved_rad < kStandsStill_rad;
+}
+
+bool FrameChooser::stands_still() const { return !moved_ && still_frames_ >= kStillFrames; }
 
 Guidance FrameChooser::guidance() const {
   const double radians = options_.fov_rad;  // per share of the width, on average over the picture

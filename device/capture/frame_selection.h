@@ -44,6 +44,7 @@ class FrameChooser {
 
   bool full() const { return full_; }  // the first frame's content came round again, or max_frames
   Guidance guidance() const;
+  bool stands_still() const;  // all that was seen is what the first frame showed; false while too little was
 
  private:
   struct Seen {
@@ -59,6 +60,7 @@ class FrameChooser {
   bool consider(const Seen& seen);
   void measure_speed(const OfferedFrame& frame);
   bool came_round(const GreyImage& thumbnail);
+  bool shows_the_first_place(const GreyImage& thumbnail) const;
 
   ChooserOptions options_;
   std::optional<GreyImage> first_;
@@ -69,6 +71,8 @@ class FrameChooser {
   bool blind_ = false;  // since the reference the turn was guessed, not seen
   int astray_ = 0;      // frames in a row that match the one before, but lie who knows how far from the reference
   bool full_ = false;
+  bool moved_ = false;
+  int still_frames_ = 0;
   double turned_before_ = 0;  // shares of the width from the first frame to the reference
   double turned_ = 0;         // ... to now
   double tilt_before_ = 0, tilt_ = 0;

@@ -57,7 +57,7 @@ std::string line_url(const char* scheme, const std::string& line) {
 // A line's name goes into a URL, whose own signs it must not hold.
 Complaint wrong_line(const std::string& line) {
   const bool good = !line.empty() && line.find_first_of("?&= ") == std::string::npos;
-  return good ? "" : "expected the GPIO line's number, as in 17, or its name, as in 'GPIO17' or 'gpiochip0/17'";
+  return good ? "" : "expected the GPIO line's number, as in 17, or its name, as in 'GPIO17' or 'gpiochip1/4'";
 }
 
 Complaint wrong_button(const std::string& line) {
@@ -160,11 +160,12 @@ class CardReader {
     };
   }
 
-  // A GPIO line by its number on the board's header or by a name.
+  // A GPIO line by its number, which on boards with such a header is that of the first chip's, or by a name: not all
+  // lines have one.
   void line(const char* key, std::string& field, const Check& check) {
     keys_[key] = [&field, check](const toml::node& node) {
       const auto number = node.value_exact<int64_t>();
-      const auto value = number ? "GPIO" + std::to_string(*number) : node.value_exact<std::string>();
+      const auto value = number ? "gpiochip0/" + std::to_string(*number) : node.value_exact<std::string>();
       Complaint wrong = !value || number.value_or(0) < 0 ? wrong_line("") : check(*value);
       if (wrong.empty()) field = *value;
       return wrong;

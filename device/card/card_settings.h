@@ -20,11 +20,11 @@ struct CardSettings {
   std::string effort = "standard";
   bool gallery = true;  // served where there is a network
 
-  // GPIO lines: "GPIO17", any name that gpioinfo lists, or "gpiochip0/17".
-  std::string button_line = "GPIO17";
+  // GPIO lines: "gpiochip0/17", or any name that gpioinfo lists.
+  std::string button_line = "gpiochip0/17";
   ButtonMode button_mode = ButtonMode::hold;
-  double switch_off_s = 8;          // held so long without turning; 0 = never
-  std::string led_line = "GPIO27";  // empty: no LED
+  double switch_off_s = 8;                // held so long without turning; 0 = never
+  std::string led_line = "gpiochip0/27";  // empty: no LED
 
   Network network = Network::none;
   std::string ssid;      // 1 to 32 bytes

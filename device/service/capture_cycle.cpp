@@ -292,7 +292,6 @@ void CaptureCycle::interrupt() {
 }
 
 void CaptureCycle::switch_off() {
-  if (is_taking() && sweep_->guidance().covered_rad >= kStandsStill_rad) return;
   handle(is_taking() ? Event::cancel : Event::shutdown, {Why::held_to_switch_off, {}});
   say(text_of({Why::held_to_switch_off, {}}));
   over_ = true;

@@ -52,12 +52,15 @@ class CaptureCycle {
   bool retry_failed();  // everything without a panorama waits to be built again; false where there is other work
   void say(const std::string& text);
   Phase phase() const { return phase_; }
+  bool stood_still() const {
+    return !sweep_ || sweep_->stands_still();
+  }  // in the present or last sweep, if there is one
 
   // The end.
   bool over() const { return over_; }  // of a single run, or told so
   void end_run(const Reason& reason);  // that waits for what will not come
   void interrupt();                    // whatever goes on is left for the next start
-  void switch_off();                   // the same; but a press at which the camera has turned is a sweep
+  void switch_off();                   // the same, but a sweep that was begun is none
   void store_what_waits(EndRequest& end_request);
   void leave_in_order(bool in_sweep);  // `in_sweep`: it was storing when it was interrupted
   void tell_ignored() { announcer_.tell_ignored(true); }

@@ -96,6 +96,7 @@ void CaptureSession::serve_button() {
 void CaptureSession::button_changed(const ButtonEvent& event) {
   const int64_t begin_ns = monotonic_now_ns();
   cycle_.handle(event.pressed ? Event::press : Event::release, {Why::ended_by_button, {}});
+  if (event.pressed) press_is_sweep_ = cycle_.phase() == Phase::capturing;
   button_.note({event.pressed, event.time_ns + (monotonic_now_ns() - begin_ns)});
 }
 
@@ -104,7 +105,8 @@ void CaptureSession::button_is_held(Hold hold) {
     case Hold::cancels:
       return cycle_.handle(Event::long_press, {Why::held_to_cancel, {}});
     case Hold::switches_off:
-      return cycle_.switch_off();
+      if (!press_is_sweep_ || cycle_.stood_still()) cycle_.switch_off();
+      return;
   }
 }
 

@@ -62,6 +62,7 @@ class CaptureSession {
   ButtonPort button_;
   int64_t next_tick_ns_ = 0;
   bool interrupted_ = false;
+  bool press_is_sweep_ = false;  // the present press, or the last one, found or began one
 };
 
 }  // namespace ldp

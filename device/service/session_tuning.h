@@ -10,10 +10,6 @@ inline constexpr int64_t kSecond_ns = 1'000'000'000;
 // A press this long cancels; 1 .. 10. Told to people.
 inline constexpr int kLongPress_s = 3;
 
-// A press this long at which the camera turned by less than kStandsStill_rad (0.03 .. 0.3) may switch the device off,
-// where the configuration gives it a length.
-inline constexpr double kStandsStill_rad = 0.1;
-
 // Statuses are repeated, and what is missing is looked for again; 0.2 s .. 5 s.
 inline constexpr int64_t kTick_ns = kSecond_ns;
 

@@ -37,6 +37,7 @@ class SweepRun {
   int64_t deadline_ns() const;         // when to ask the two again
   int chosen() const { return static_cast<int>(record_.frames.size()); }
   Guidance guidance() const { return chooser_.guidance(); }
+  bool stands_still() const { return chooser_.stands_still(); }
   // Guidance that is due, at most one in kGuidanceInterval_ns.
   std::optional<Guidance> next_guidance(int64_t now_ns);
 

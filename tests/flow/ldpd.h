@@ -181,8 +181,8 @@ class LdpdTest : public testing::Test {
                                        << sweep;
   }
 
-  void configure_switch_off(const std::string& mode) {
-    configure("mode = \"" + mode + "\"\n");
+  void configure_switch_off(const std::string& mode, const std::string& sweep = "") {
+    configure("mode = \"" + mode + "\"\n" + sweep);
     const std::string rest = text_of(room_ / "ldpd.toml");
     std::ofstream(room_ / "ldpd.toml") << "switch_off_seconds = 4\n" << rest;
   }

@@ -317,6 +317,34 @@ TEST_F(LdpdTest, AButtonHeldForALongSweepSwitchesNothingOff) {
   EXPECT_EQ(frames_in(capture()), 14);
 }
 
+TEST_F(LdpdTest, AButtonStillHeldAfterAFullSweepSwitchesNothingOff) {
+  build_program("sleep 5");
+  configure_switch_off("hold", "max_frames = 4\n");
+  script("press wait 300000 release");
+  Process service(command({}, "&hold=yes"), room_ / "said");
+  EXPECT_TRUE(service.says("sweep_000001.ldp is ready")) << text_of(room_ / "said");
+  EXPECT_EQ(service.stop(SIGTERM).status, 0);
+}
+
+TEST_F(LdpdTest, WhereNothingIsSeenAHeldButtonIsASweep) {
+  fs::remove_all(room_ / "frames");
+  fs::create_directories(room_ / "frames");
+  std::mt19937 noise(5);
+  for (int i = 0; i < 3; ++i) {
+    RgbImage dark(200, 150);
+    for (int at = 0; at < 200 * 150; ++at) {
+      const auto grey = static_cast<uint8_t>(noise() % 12);
+      dark.at(at % 200, at / 200) = {grey, grey, grey};
+    }
+    write_file(room_ / "frames" / ("frame_" + std::to_string(i) + ".jpg"), encode_jpeg(dark, 95));
+  }
+  configure_switch_off("hold", "min_frames = 3\n");
+  script("press wait 5500 release");
+  Process service(command({}, "&hold=yes"), room_ / "said");
+  EXPECT_TRUE(service.says("the sweep was ended by the button")) << text_of(room_ / "said");
+  EXPECT_EQ(service.stop(SIGTERM).status, 0);
+}
+
 TEST_F(LdpdTest, ACameraThatTakesLongToOpenIsNoHeldButton) {
   for (const char* const mode : {"hold", "toggle"}) {
     fs::remove_all(room_ / "out");

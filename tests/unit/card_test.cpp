@@ -128,8 +128,8 @@ TEST(Card, ANetworkOfWhichHalfIsSaidIsAMistake) {
 }
 
 TEST(Card, OneLineForButtonAndLightIsAMistake) {
-  expect_mistakes("[led]\nline = 17\n", {{2, "button.line and led.line are both GPIO17"}});
-  expect_mistakes("[button]\nline = 5\n[led]\nline = 5\n", {{2, "button.line and led.line are both GPIO5"}});
+  expect_mistakes("[led]\nline = 17\n", {{2, "button.line and led.line are both gpiochip0/17"}});
+  expect_mistakes("[button]\nline = 5\n[led]\nline = 5\n", {{2, "button.line and led.line are both gpiochip0/5"}});
 }
 
 TEST(Card, WhatIsNotTomlIsToldWithItsLine) {
@@ -158,7 +158,7 @@ TEST(Card, TheServiceIsToldOfButtonLightArmAndEffort) {
   EXPECT_EQ(config.camera, "libcamera:0");
   EXPECT_EQ(config.button, "gpiod:gpiochip0/5?active_low=yes&bias=pull-up");
   EXPECT_EQ(config.mode, ButtonMode::toggle);
-  EXPECT_EQ(config.status, (std::vector<std::string>{"console:", "led:name=GPIO4"}));
+  EXPECT_EQ(config.status, (std::vector<std::string>{"console:", "led:gpiochip0/4"}));
   EXPECT_EQ(config.switch_off_s, 5);
   EXPECT_EQ(config.arm_length_m, 1);
   EXPECT_EQ(config.effort, "fast");

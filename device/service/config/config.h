@@ -17,7 +17,7 @@ struct Config {
   std::vector<std::string> status = {"console:"};
   std::string output = "/var/lib/ldpd";
   std::string device_name = "layered-depth-panorama camera";
-  double switch_off_s = 0;  // a press that lasts so long, while the camera does not turn, switches off; 0 = none does
+  double switch_off_s = 0;  // a press that lasts so long, while the camera stands still, switches off; 0 = none does
 
   // [sweep]
   std::optional<ButtonMode> mode;  // none: what the button can, see mode_of

@@ -123,7 +123,7 @@ const std::vector<ConfigKey>& all_config_keys() {
       text_key("device_name", "as written into captures", &Config::device_name),
       number_key(
           "switch_off_seconds",
-          "a press that lasts so long, while the camera does not turn, ends the service with exit status 10, for "
+          "a press that lasts so long, while the camera stands still, ends the service with exit status 10, for "
           "the system to switch off; 0 = none does",
           &Config::switch_off_s, {4, 60}, true),
       mode_key(),
