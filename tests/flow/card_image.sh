@@ -13,7 +13,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 fail() { echo "card_image: $*" >&2; exit 1; }
 
-mkdir -p "$work"/root/{usr/bin,proc,etc} "$work/boot/loader/entries"
+mkdir -p "$work"/root/{usr/bin,dev,proc,etc} "$work/boot/loader/entries"
 cp -r "$source/device/card/root/." "$work/root/"
 echo 'not the card' >"$work/root/proc/left-out"
 cp "$source/device/card/boot/camera.toml" "$work/boot/"
@@ -44,8 +44,8 @@ fsck.fat -n "$work/part1" >/dev/null || fail "the boot partition is damaged"
 e2fsck -fn "$work/part3" >/dev/null 2>&1 || fail "the data partition is damaged"
 [ "$(blkid -o value -s LABEL "$work/part3")" = ldp-data ] || fail "the data partition has another label"
 unsquashfs -quiet -no-progress -d "$work/unpacked" "$work/part2" >/dev/null || fail "the root cannot be unpacked"
-diff -r --exclude=proc --exclude=sys --exclude=run --exclude=tmp "$work/root" "$work/unpacked" || fail "the root is not what was given"
-for folder in proc sys run tmp; do
+diff -r --exclude=dev --exclude=proc --exclude=sys --exclude=run --exclude=tmp "$work/root" "$work/unpacked" || fail "the root is not what was given"
+for folder in dev proc sys run tmp; do
   [ -d "$work/unpacked/$folder" ] && [ -z "$(find "$work/unpacked/$folder" -mindepth 1)" ] || fail "$folder is missing or not empty"
 done
 

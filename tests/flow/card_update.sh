@@ -10,7 +10,7 @@ fail() { echo "card_update: $*" >&2; exit 1; }
 
 # The script with its folders here; what it would lay over the root is a line.
 mkdir "$work/bin"
-sed -e "s#/data/update#$work/data#; s#/run/camera#$work/run#g; s#/boot/firmware#$work/boot#; s#dpkg-deb -x \"\(.*\)\" /#echo laid: \"\$(cat \"\1\")\"#" "$script" >"$work/take-update"
+sed -e "s#/data/update#$work/data#; s#/run/camera#$work/run#g; s#/boot/firmware#$work/boot#; s#dpkg-deb -x \"\(.*\)\" /;#{ [ ! -e $work/unpackable ] \&\& echo laid: \"\$(cat \"\1\")\"; };#" "$script" >"$work/take-update"
 grep -q 'echo laid' "$work/take-update" || fail "take-update lays in another way than this test knows"
 cat >"$work/bin/systemctl" <<SYSTEMCTL
 #!/bin/sh
@@ -51,11 +51,34 @@ said=$(take lay && take judge)
 expect "$said" "laid: package 0.3.0" && expect "$said" "systemctl --no-block reboot"
 touch "$work/active"
 said=$(take lay && take judge)
-expect "$said" "laid: package 0.2.0" && expect "$said" "the service did not come up with it" && expect_not "$said" "laid: package 0.3.0"
+expect "$said" "laid: package 0.2.0" && expect "$said" "it was given up" && expect_not "$said" "laid: package 0.3.0"
 
 offer 0.4.0  # it takes the machine with it before anybody can judge
 for _ in 1 2 3 4 5; do expect "$(take lay)" "laid: package 0.4.0"; done
 expect "$(take lay && take judge)" "laid: package 0.2.0"
+
+# Damage, and no room, in what is kept and in memory: nothing is laid half, nor again and again.
+fresh
+offer 0.2.0 && take lay >/dev/null && take judge >/dev/null
+offer 0.3.0 && take lay >/dev/null && take judge >/dev/null
+rm "$work"/boot/*
+kept=$(cat "$work/data/current")
+echo damage >>"$work/data/$kept.deb"
+said=$(take lay)
+expect "$said" "There is damage in, or no memory for, $(package 0.3.0)" && expect "$said" "systemctl --no-block reboot" && expect_not "$said" "laid: package 0.3.0"
+expect "$(take lay && take judge)" "laid: package 0.2.0"
+touch "$work/unpackable" && offer 0.4.0
+said=$(take lay)
+expect "$said" "no memory for, $(package 0.4.0)" && expect "$said" "reboot"
+rm "$work/unpackable"
+said=$(take lay && take judge)
+expect "$said" "laid: package 0.2.0" && expect "$said" "it was given up"
+offer 0.5.0
+printf '#!/bin/sh\nhead -c 5 "$1" >"$2"; echo "cp: No space left on device" >&2; exit 1\n' >"$work/bin/cp" && chmod +x "$work/bin/cp"
+said=$(take lay && take judge)
+rm "$work/bin/cp"
+expect "$said" "has no room to keep it" && expect "$said" "laid: package 0.2.0"
+[ -z "$(find "$work/data" -name '*.new')" ] || fail "a half of a package was left"
 
 # Ended at each of its steps: the next start goes on to the new package.
 {

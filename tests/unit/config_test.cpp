@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <sstream>
+
 namespace ldp {
 namespace {
 
@@ -22,6 +25,12 @@ TEST(Config, WhatIsPrintedReadsBackTheSame) {
   EXPECT_TRUE(checked.mistakes.empty()) << checked.mistakes[0].text;
   EXPECT_EQ(config_text(checked.config), text);
   EXPECT_FALSE(checked.config.follow);
+}
+
+TEST(Config, TheFileThatIsInstalledSaysWhatHoldsWithoutIt) {
+  std::ostringstream installed;
+  installed << std::ifstream(LDP_TEST_DATA "/../device/systemd/ldpd.toml").rdbuf();
+  EXPECT_THAT(installed.str(), testing::EndsWith("\n" + config_text(Config())));
 }
 
 TEST(Config, TheDefaultsAreGood) { EXPECT_TRUE(parse_config(config_text(Config())).mistakes.empty()); }
