@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/LU>
+
 #include "core/captures/colmap_model.h"
 
 namespace {
