@@ -1,5 +1,6 @@
 // Any bytes as a COLMAP model, text and binary, its lenses up to the first byte 0xFF; what is accepted must be cameras
 // that can be worked with.
+#include <Eigen/LU>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -8,8 +9,6 @@
 #include <stdexcept>
 #include <string_view>
 #include <vector>
-
-#include <Eigen/LU>
 
 #include "core/captures/colmap_model.h"
 
