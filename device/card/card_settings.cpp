@@ -117,8 +117,12 @@ class CardReader {
     for (const auto& [name, node] : table) {
       const std::string full = prefix + std::string(name.str());
       const toml::table* const section = node.as_table();
-      if (section != nullptr && prefix.empty() && (full == "button" || full == "led" || full == "network")) {
-        read(*section, full + ".");
+      if (prefix.empty() && (full == "button" || full == "led" || full == "network")) {
+        if (section != nullptr) {
+          read(*section, full + ".");
+        } else {
+          add(line_of(name), "'" + full + "' is a section: write [" + full + "], and its settings below");
+        }
         continue;
       }
       const auto key = keys_.find(full);
@@ -215,6 +219,10 @@ std::string led_url(const CardSettings& settings) {
 
 CheckedCard parse_card(const std::string& toml_text) {
   CheckedCard checked;
+  if (toml_text.starts_with("\xFF\xFE") || toml_text.starts_with("\xFE\xFF")) {
+    checked.mistakes.push_back({1, "the file is in UTF-16: save it again as UTF-8 text"});
+    return checked;
+  }
   try {
     const toml::table table = toml::parse(toml_text);
     CardReader(checked).read_all(table);

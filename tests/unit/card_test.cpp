@@ -120,6 +120,11 @@ TEST(Card, EveryMistakeIsNamedWithItsLine) {
        {18, "unknown section 'light'"}});
 }
 
+TEST(Card, WhatEditorsAndHabitsMakeOfItIsToldInWords) {
+  expect_mistakes("name = 'a'\nbutton = 17\n", {{2, "'button' is a section: write [button]"}});
+  expect_mistakes(std::string("\xFF\xFEn\0a\0", 6), {{1, "the file is in UTF-16: save it again as UTF-8"}});
+}
+
 TEST(Card, ANetworkOfWhichHalfIsSaidIsAMistake) {
   expect_mistakes("[network]\nkind = 'wifi'\nssid = 'Home'\n",
                   {{2, "network.password is missing"}, {2, "network.country is missing"}});
