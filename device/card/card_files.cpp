@@ -9,8 +9,8 @@ namespace {
 // The camera's own network: an address of its own, others are given out.
 constexpr const char* kOwnAddress = "192.168.77.1/24";
 constexpr int kOwnChannel_mhz = 2437;  // 6, allowed everywhere
-// The service and the gallery speak with each other on this machine alone: the group has no way out, and the service hears
-// only addresses of this machine's own (root/etc/systemd/system/ldpd.service.d).
+// The service and the gallery speak with each other on this machine alone: the group has no way out, and the service
+// hears only addresses of this machine's own (root/etc/systemd/system/ldpd.service.d).
 constexpr const char* kStatusUrl = "lcm:udpm://239.255.76.67:7667?ttl=0";
 constexpr const char* kLoopback =
     "[Match]\nName=lo\n\n[Route]\nDestination=224.0.0.0/4\nScope=link\nPreferredSource=127.0.0.1\n";

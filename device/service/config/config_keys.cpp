@@ -121,11 +121,10 @@ const std::vector<ConfigKey>& all_config_keys() {
                check_status),
       text_key("output", "folder of the captures and panoramas", &Config::output, check_output_folder),
       text_key("device_name", "as written into captures", &Config::device_name),
-      number_key(
-          "switch_off_seconds",
-          "a press that lasts so long, while the camera stands still, ends the service with exit status 10, for "
-          "the system to switch off; 0 = none does",
-          &Config::switch_off_s, {4, 60}, true),
+      number_key("switch_off_seconds",
+                 "a press that lasts so long, while the camera stands still, ends the service with exit status 10, for "
+                 "the system to switch off; 0 = none does",
+                 &Config::switch_off_s, {4, 60}, true),
       mode_key(),
       number_key("sweep.overlap", "of neighbouring frames", &Config::overlap, {0.3, 0.95}),
       number_key("sweep.max_frames", "the sweep ends after so many", &Config::max_frames, {3, 1000}),
