@@ -13,7 +13,9 @@ int neighbour_column(const PanoramaGrid& grid, int x) {
 
 double parallax_steps(const PanoramaGrid& grid, double px) {
   const double range = grid.w_near - grid.w_far;
-  return range <= 0 ? kLabelSteps : px * grid.v_pitch / (std::max(grid.arc.radius, 1e-9) * range) * kDisparitySteps;
+  if (range <= 0) return kLabelSteps;
+  const double steps = px * grid.v_pitch / (std::max(grid.arc.radius, 1e-9) * range) * kDisparitySteps;
+  return std::min(steps, 1.0 * kDisparitySteps);
 }
 
 }  // namespace ldp::layers

@@ -12,7 +12,8 @@ constexpr uint16_t kUncovered = 0;  // of a visibility map
 // -1 = outside the panorama.
 int neighbour_column(const PanoramaGrid& grid, int x);
 
-// Disparity steps that shift a voxel by so many pixels when the eye moves by one arc radius.
+// Disparity steps that shift a voxel by so many pixels when the eye moves by one arc radius; at most all there are,
+// where not even those do.
 double parallax_steps(const PanoramaGrid& grid, double px);
 
 }  // namespace ldp::layers

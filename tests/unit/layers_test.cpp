@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stop_token>
 
+#include "core/layers/neighbours.h"
 #include "core/layers/painting/map_painter.h"
 #include "core/layers/painting/photo_consistency.h"
 #include "core/layers/proposal_fusion.h"
@@ -41,6 +42,15 @@ std::vector<VisibilityMap> visibility(const PanoramaGrid& grid, const std::vecto
 
 int count(const Plane<uint8_t>& want, Want wanted) {
   return static_cast<int>(std::count(want.samples.begin(), want.samples.end(), wanted));
+}
+
+TEST(ParallaxSteps, AreNeverMoreThanThereAre) {
+  PanoramaGrid grid = simple_grid();
+  const double usual = layers::parallax_steps(grid, 1);
+  EXPECT_GT(usual, 0);
+  EXPECT_DOUBLE_EQ(layers::parallax_steps(grid, 2), 2 * usual);
+  grid.w_far = 0, grid.w_near = 1e-9;  // cameras at one place: nothing shifts
+  EXPECT_EQ(layers::parallax_steps(grid, 1), kDisparitySteps);
 }
 
 TEST(Visibility, AWallIsSeenAtItsInverseDepth) {
