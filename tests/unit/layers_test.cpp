@@ -45,7 +45,7 @@ int count(const Plane<uint8_t>& want, Want wanted) {
 }
 
 TEST(ParallaxSteps, AreNeverMoreThanThereAre) {
-  PanoramaGrid grid = simple_grid();
+  PanoramaGrid grid = simple_grid(0.5);
   const double usual = layers::parallax_steps(grid, 1);
   EXPECT_GT(usual, 0);
   EXPECT_DOUBLE_EQ(layers::parallax_steps(grid, 2), 2 * usual);
