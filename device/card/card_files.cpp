@@ -72,15 +72,17 @@ std::vector<CardFile> card_files(const CardSettings& settings) {
   files.push_back({"network/20-camera.network", link_text(settings.network)});
   if (is_wireless(settings.network)) files.push_back({"wpa_supplicant.conf", radio_text(settings), true});
   if (settings.gallery) files.push_back({"gallery", ""});
+  if (!settings.ssh_key.empty()) files.push_back({"authorized_keys", settings.ssh_key + "\n"});
   return files;
 }
 
-std::string card_report(const CheckedCard& checked) {
-  if (checked.mistakes.empty()) return "camera.toml was read without a mistake.\n";
+std::string card_report(const CheckedCard& checked, const std::string& version) {
+  const std::string programs = "Its programs are of version " + version + ".\n";
+  if (checked.mistakes.empty()) return "camera.toml was read without a mistake.\n" + programs;
   std::string text = "The camera does not start, for camera.toml has mistakes:\n\n";
   for (const ConfigMistake& mistake : checked.mistakes)
     text += "line " + std::to_string(mistake.line) + ": " + mistake.text + "\n";
-  return text + "\nMend them with any text editor, then switch the camera on again.\n";
+  return text + "\nMend them with any text editor, then switch the camera on again.\n" + programs;
 }
 
 }  // namespace ldp

@@ -17,10 +17,10 @@ struct CardFile {
 
 // ldpd.toml and hostname always. `gallery` where it is to be served and `network` where there is one: empty, for the
 // conditions of units. network/*.network for systemd-networkd; wpa_supplicant.conf for a network by radio, of others or
-// its own.
+// its own; authorized_keys for sshd, where a key is given.
 std::vector<CardFile> card_files(const CardSettings& settings);
 
-// For people, one mistake a line with the line of camera.toml; the same text for the same file.
-std::string card_report(const CheckedCard& checked);
+// For people, one mistake a line with the line of camera.toml; the same text for the same file and version of programs.
+std::string card_report(const CheckedCard& checked, const std::string& version);
 
 }  // namespace ldp

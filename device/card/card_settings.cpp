@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <regex>
 #include <string_view>
 #include <utility>
 
@@ -20,6 +21,7 @@ constexpr std::array<std::pair<const char*, Network>, 4> kNetworks = {{{"none", 
                                                                        {"access-point", Network::access_point}}};
 constexpr double kLeastArm_m = 0.05, kLongestArm_m = 10;  // as the service's own configuration has it
 constexpr size_t kLongestName = 63;                       // of a host, in DNS
+constexpr size_t kLongestKey = 4096;                      // RSA of 16384 bits and a remark
 constexpr size_t kLongestSsid = 32, kShortestPassword = 8, kLongestPassword = 63;
 
 bool is_letter_or_digit(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); }
@@ -48,6 +50,15 @@ Complaint wrong_country(const std::string& country) {
   const bool good =
       country.size() == 2 && std::all_of(country.begin(), country.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
   return good ? "" : "expected two capital letters, as in 'DE'";
+}
+
+// One line as ssh-keygen writes it, without options before the kind; the key itself begins with its kind, in base64.
+Complaint wrong_ssh_key(const std::string& key) {
+  static const std::regex kPublicKey(
+      "(ssh-ed25519|ssh-rsa|ecdsa-sha2-nistp(256|384|521)|sk-ssh-ed25519@openssh\\.com|"
+      "sk-ecdsa-sha2-nistp256@openssh\\.com) AAAA[A-Za-z0-9+/]{40,}={0,2}( [^\n\r]*)?");
+  const bool good = key.empty() || (key.size() <= kLongestKey && std::regex_match(key, kPublicKey));
+  return good ? "" : "expected the one line of a public key, as id_ed25519.pub holds: 'ssh-ed25519 AAAA... you'";
 }
 
 std::string line_url(const char* scheme, const std::string& line) {
@@ -111,6 +122,7 @@ class CardReader {
     text("network.ssid", settings_.ssid, wrong_ssid);
     text("network.password", settings_.password, wrong_password);
     text("network.country", settings_.country, wrong_country);
+    text("network.ssh_key", settings_.ssh_key, wrong_ssh_key);
   }
 
   void read(const toml::table& table, const std::string& prefix) {
@@ -146,6 +158,8 @@ class CardReader {
       if (!wireless && given && !is_wrong("network.kind"))
         add(lines_[key], std::string(key) + ": is for network.kind = 'wifi' or 'access-point'");
     }
+    if (settings_.network == Network::none && !settings_.ssh_key.empty() && !is_wrong("network.kind"))
+      add(lines_["network.ssh_key"], "network.ssh_key: there is no network to log in by: choose a network.kind");
   }
 
   void check_lines() {

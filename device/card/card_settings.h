@@ -30,6 +30,7 @@ struct CardSettings {
   std::string ssid;      // 1 to 32 bytes
   std::string password;  // 8 to 63 characters of ASCII
   std::string country;   // two capital letters: which channels the radio may use
+  std::string ssh_key;   // public, a line of OpenSSH's: who holds the other half may log in; empty: nobody
 };
 
 struct CheckedCard {

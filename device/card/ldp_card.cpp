@@ -76,7 +76,7 @@ void write_files(const ldp::CardSettings& settings, const fs::path& folder) {
 // Mistakes are what a person has to know of, whether the card has room to tell them on or not: they decide the status.
 void report(const fs::path& file, const ldp::CheckedCard& checked) {
   try {
-    ldp::write_file(file, ldp::card_report(checked));
+    ldp::write_file(file, ldp::card_report(checked, LDP_VERSION));
   } catch (const std::exception& error) {
     if (checked.mistakes.empty()) throw;
     std::fprintf(stderr, "ldp-card: %s\n", error.what());

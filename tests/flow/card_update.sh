@@ -57,6 +57,13 @@ offer 0.4.0  # it takes the machine with it before anybody can judge
 for _ in 1 2 3 4 5; do expect "$(take lay)" "laid: package 0.4.0"; done
 expect "$(take lay && take judge)" "laid: package 0.2.0"
 
+offer 0.5.0 && expect "$(take lay)" "laid: package 0.5.0"
+touch "$work/boot/no-updates.txt.txt" && rm "$work/active"  # it is not judged by the image's own programs
+said=$(take lay && take judge)
+expect "$said" "while no-updates.txt is here" && expect_not "$said" "laid" && expect_not "$said" "systemctl"
+rm "$work"/boot/no-updates* && touch "$work/active"
+expect "$(take lay && take judge)" "laid: package 0.5.0"
+
 # Damage, and no room, in what is kept and in memory: nothing is laid half, nor again and again.
 fresh
 offer 0.2.0 && take lay >/dev/null && take judge >/dev/null

@@ -47,6 +47,8 @@ const char* const kHome =
     "password = 'a \"quoted\" one'\n"
     "country = 'DE'\n";
 
+const std::string kKey = "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIGnJq2l0cXo5dm1Yb3BwQm5vdEFLZXlBdEFsbDEyMzQ1 me@home";
+
 struct Mistake {
   int line;
   const char* text;
@@ -54,7 +56,7 @@ struct Mistake {
 
 void expect_mistakes(const std::string& text, const std::vector<Mistake>& expected) {
   const CheckedCard checked = parse_card(text);
-  ASSERT_EQ(checked.mistakes.size(), expected.size()) << card_report(checked);
+  ASSERT_EQ(checked.mistakes.size(), expected.size()) << card_report(checked, "1");
   for (size_t i = 0; i < expected.size(); ++i) {
     EXPECT_EQ(checked.mistakes[i].line, expected[i].line) << checked.mistakes[i].text;
     EXPECT_THAT(checked.mistakes[i].text, StartsWith(expected[i].text));
@@ -132,6 +134,16 @@ TEST(Card, ANetworkOfWhichHalfIsSaidIsAMistake) {
   expect_mistakes("[network]\nkind = 'cable'\n\npassword = 'long enough'\n", {{4, "network.password: is for"}});
 }
 
+TEST(Card, WhatIsNoPublicKeyIsAMistake) {
+  const std::string cable = "[network]\nkind = 'cable'\nssh_key = ";
+  const std::string two = "\"" + kKey + "\\n" + kKey + "\"", options = "'command=\"sh\" " + kKey + "'";
+  const std::string secret = "'-----BEGIN OPENSSH PRIVATE KEY-----'", cut = "'ssh-ed25519 AAAAC3Nz'";
+  const std::string endless = "'" + kKey + std::string(1 << 20, 'e') + "'";
+  for (const std::string& wrong : {std::string("7"), two, options, secret, cut, endless})
+    expect_mistakes(cable + wrong + "\n", {{3, "network.ssh_key: expected"}});
+  expect_mistakes("[network]\nssh_key = '" + kKey + "'\n", {{2, "network.ssh_key: there is no network"}});
+}
+
 TEST(Card, OneLineForButtonAndLightIsAMistake) {
   expect_mistakes("[led]\nline = 17\n", {{2, "button.line and led.line are both gpiochip0/17"}});
   expect_mistakes("[button]\nline = 5\n[led]\nline = 5\n", {{2, "button.line and led.line are both gpiochip0/5"}});
@@ -144,10 +156,12 @@ TEST(Card, WhatIsNotTomlIsToldWithItsLine) {
 }
 
 TEST(Card, TheReportNamesLinesAndWhatToDo) {
-  const std::string report = card_report(parse_card("\neffort = 'most'\n"));
+  const std::string report = card_report(parse_card("\neffort = 'most'\n"), "1.2.3");
   EXPECT_THAT(report, HasSubstr("\nline 2: effort: expected"));
   EXPECT_THAT(report, HasSubstr("switch the camera on again"));
-  EXPECT_THAT(card_report(parse_card("")), HasSubstr("without a mistake"));
+  EXPECT_THAT(report, HasSubstr("version 1.2.3"));
+  EXPECT_EQ(card_report(parse_card(""), "1.2.3"),
+            "camera.toml was read without a mistake.\nIts programs are of version 1.2.3.\n");
 }
 
 TEST(Card, TheServiceIsToldOfButtonLightArmAndEffort) {
@@ -189,6 +203,13 @@ TEST(Card, NothingListensUnlessItIsAskedFor) {
   const CardSettings closed = settings_of("gallery = false\nnetwork.kind = 'cable'\n");
   EXPECT_THAT(paths(closed), Not(testing::Contains("gallery")));
   EXPECT_THAT(service_of(closed).status, Not(testing::Contains(StartsWith("lcm:"))));
+}
+
+TEST(Card, OnlyTheHolderOfAKeyMayLogIn) {
+  EXPECT_EQ(file_of(settings_of("network.kind = 'cable'\n"), "authorized_keys"), "no such file");
+  EXPECT_EQ(file_of(settings_of("network.ssh_key = ''\n"), "authorized_keys"), "no such file");
+  EXPECT_EQ(file_of(settings_of("network.kind = 'cable'\nnetwork.ssh_key = '" + kKey + "'\n"), "authorized_keys"),
+            kKey + "\n");
 }
 
 TEST(Card, ANetworkByRadioIsWrittenForItsDaemons) {
