@@ -77,7 +77,10 @@ std::vector<CardFile> card_files(const CardSettings& settings) {
 }
 
 std::string card_report(const CheckedCard& checked, const std::string& version) {
-  const std::string programs = "Its programs are of version " + version + ".\n";
+  const std::string programs = "The camera's programs are of version " + version + ".\n";
+  if (!checked.there)
+    return "There is no camera.toml here (is it called camera.toml.txt?): the camera uses what it was made with.\n" +
+           programs;
   if (checked.mistakes.empty()) return "camera.toml was read without a mistake.\n" + programs;
   std::string text = "The camera does not start, for camera.toml has mistakes:\n\n";
   for (const ConfigMistake& mistake : checked.mistakes)

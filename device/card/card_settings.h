@@ -34,7 +34,9 @@ struct CardSettings {
 };
 
 struct CheckedCard {
-  CardSettings settings;                // what is a mistake holds as if it had been left out
+  bool there = true;                    // false: there is no such file, the defaults hold
+  CardSettings settings;                // what is a mistake holds as if it had been left out, and so what stands below
+                                        // a line that is no TOML
   std::vector<ConfigMistake> mistakes;  // in the order of the file
 };
 

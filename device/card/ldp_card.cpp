@@ -36,7 +36,7 @@ void declare(CLI::App& app, Arguments& arguments) {
 }
 
 ldp::CheckedCard read_card(const fs::path& file) {
-  if (!fs::exists(file)) return {};
+  if (!fs::exists(file)) return {.there = false, .settings = {}, .mistakes = {}};
   std::ifstream in(file);
   in.peek();  // a folder fails here; an empty file is a good one
   if (!in.is_open() || in.bad()) throw std::runtime_error("cannot read " + file.string());

@@ -47,7 +47,7 @@ const char* const kHome =
     "password = 'a \"quoted\" one'\n"
     "country = 'DE'\n";
 
-const std::string kKey = "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIGnJq2l0cXo5dm1Yb3BwQm5vdEFLZXlBdEFsbDEyMzQ1 me@home";
+const std::string kKey = "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIKg0IbaCPqYEjPg6EDtfxodJEYBvVKS4pcamQkNYLegr me@home";
 
 struct Mistake {
   int line;
@@ -135,12 +135,15 @@ TEST(Card, ANetworkOfWhichHalfIsSaidIsAMistake) {
 }
 
 TEST(Card, WhatIsNoPublicKeyIsAMistake) {
-  const std::string cable = "[network]\nkind = 'cable'\nssh_key = ";
-  const std::string two = "\"" + kKey + "\\n" + kKey + "\"", options = "'command=\"sh\" " + kKey + "'";
-  const std::string secret = "'-----BEGIN OPENSSH PRIVATE KEY-----'", cut = "'ssh-ed25519 AAAAC3Nz'";
-  const std::string endless = "'" + kKey + std::string(1 << 20, 'e') + "'";
-  for (const std::string& wrong : {std::string("7"), two, options, secret, cut, endless})
-    expect_mistakes(cable + wrong + "\n", {{3, "network.ssh_key: expected"}});
+  const size_t end = kKey.find(" me");
+  for (const std::string& wrong : {std::string("ssh-ed25519"), std::string("-----BEGIN OPENSSH PRIVATE KEY-----"),
+                                   kKey + "\n" + kKey, "command=\"sh\" " + kKey,  // two; options
+                                   std::string(kKey, 0, end - 5),                 // cut
+                                   "ssh-rsa" + std::string(kKey, 11),             // of another kind than it says
+                                   kKey + std::string(1 << 20, 'e')})
+    expect_mistakes("[network]\nkind = 'cable'\nssh_key = \"\"\"" + wrong + "\"\"\"\n",
+                    {{3, "network.ssh_key: expected"}});
+  expect_mistakes("[network]\nkind = 'cable'\nssh_key = 7\n", {{3, "network.ssh_key: expected"}});
   expect_mistakes("[network]\nssh_key = '" + kKey + "'\n", {{2, "network.ssh_key: there is no network"}});
 }
 
@@ -155,13 +158,25 @@ TEST(Card, WhatIsNotTomlIsToldWithItsLine) {
   expect_mistakes("gallery = true\nname = 'panorama\n", {{2, ""}});
 }
 
+TEST(Card, WhatStandsAboveALineThatIsNoTomlHolds) {
+  const CheckedCard checked = parse_card("[led]\nline = 5\n[network]\nssh_key = ssh-ed25519 AAAA\nkind = 'cable'\n");
+  ASSERT_EQ(checked.mistakes.size(), 1U);
+  EXPECT_EQ(checked.mistakes[0].line, 4);
+  EXPECT_THAT(checked.mistakes[0].text, HasSubstr("a text stands in quotes, on one line"));
+  EXPECT_EQ(checked.settings.led_line, "gpiochip0/5");
+  EXPECT_EQ(checked.settings.network, Network::none);
+}
+
 TEST(Card, TheReportNamesLinesAndWhatToDo) {
   const std::string report = card_report(parse_card("\neffort = 'most'\n"), "1.2.3");
   EXPECT_THAT(report, HasSubstr("\nline 2: effort: expected"));
   EXPECT_THAT(report, HasSubstr("switch the camera on again"));
   EXPECT_THAT(report, HasSubstr("version 1.2.3"));
   EXPECT_EQ(card_report(parse_card(""), "1.2.3"),
-            "camera.toml was read without a mistake.\nIts programs are of version 1.2.3.\n");
+            "camera.toml was read without a mistake.\nThe camera's programs are of version 1.2.3.\n");
+  CheckedCard missing;
+  missing.there = false;
+  EXPECT_THAT(card_report(missing, "1"), HasSubstr("There is no camera.toml here"));
 }
 
 TEST(Card, TheServiceIsToldOfButtonLightArmAndEffort) {
