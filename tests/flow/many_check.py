@@ -13,6 +13,7 @@ import unittest
 import zipfile
 
 PROGRAM = sys.argv[1]
+SANITIZED = bool(os.environ.get("LDP_SANITIZED"))  # their shadow is in what is taken of memory
 QUICK = ["--layers", "1", "--iterations", "1", "--labels", "4"]
 
 
@@ -120,6 +121,8 @@ class Many(unittest.TestCase):
         # Held to 1.3 on photos, by core/estimate/decisions.md; here other tests' work is in the seconds.
         for name, true, most in (("processor_seconds", built["processor_seconds"]["whole"], 2.5),
                                  ("file_bytes", built["bytes"]["file"], 1.4), ("memory_bytes", built["peak_memory_bytes"], 1.4)):
+            if SANITIZED and name == "memory_bytes":
+                continue
             self.assertTrue(1 / most < estimate[name] / true < most, (name, estimate[name], true))
         self.assertLess(estimate["spent_seconds"], estimate["processor_seconds"])
         self.assertRegex(run("build", self.room / "room", "--estimate").stdout, r"about \d+ s of processor time, \d+ MB of memory")

@@ -23,7 +23,8 @@ TEST_F(LdpdTest, TheFirstInterruptionOfLdpCaptureStoresWhatWasTakenAndTheSecondL
   };
   {
     Process first(slowed("fsync .jpg * delay " + time_for_all(80), "one"), room_ / "said");
-    ASSERT_TRUE(first.says("stored: 2 frames")) << text_of(room_ / "said");
+    ASSERT_TRUE(first.says("stored: 2 frames") && first.says("sweep: 13 frames, 168 degrees"))
+        << text_of(room_ / "said");
     const Finished end = first.stop(SIGINT);
     EXPECT_EQ(end.status, 130) << end.said;
     EXPECT_EQ(frames_in(room_ / "one"), 14) << end.said;
