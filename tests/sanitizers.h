@@ -1,6 +1,6 @@
 // Whether tests, and the programs that they start, are built with AddressSanitizer or ThreadSanitizer, and how a test
 // that cannot hold there says so. Such tests: grep -r NOT_UNDER_SANITIZERS tests; for those that are no GoogleTest,
-// ldp_not_under_sanitizers in tests/CMakeLists.txt.
+// ldp_not_under_sanitizers in tests/CMakeLists.txt. Single checks of the tests in Python: LDP_SANITIZED.
 #pragma once
 
 #include <gtest/gtest.h>

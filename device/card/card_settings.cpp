@@ -22,6 +22,7 @@ constexpr std::array<std::pair<const char*, Network>, 4> kNetworks = {{{"none", 
                                                                        {"access-point", Network::access_point}}};
 constexpr double kLeastArm_m = 0.05, kLongestArm_m = 10;  // as the service's own configuration has it
 constexpr size_t kLongestName = 63;                       // of a host, in DNS
+constexpr size_t kMostBytes = 64 << 10;                   // of the file
 constexpr size_t kLongestKey = 4096;                      // RSA of 16384 bits and a remark
 constexpr size_t kLongestSsid = 32, kShortestPassword = 8, kLongestPassword = 63;
 
@@ -56,6 +57,7 @@ Complaint wrong_country(const std::string& country) {
 // Of base64 without line breaks; nothing where it is none.
 std::optional<std::string> decoded(std::string_view base64) {
   static constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  if (base64.size() % 4 != 0) return {};
   while (base64.ends_with('=')) base64.remove_suffix(1);
   std::string bytes;
   uint32_t bits = 0;
@@ -265,8 +267,8 @@ class CardReader {
 };
 
 std::string first_lines(const std::string& text, int lines) {
-  size_t end = 0;
-  for (; lines > 0 && end != std::string::npos; --lines) end = text.find('\n', end + (end > 0 ? 1 : 0));
+  size_t end = std::string::npos;  // after which is the first character
+  while (lines-- > 0) end = text.find('\n', end + 1);
   return text.substr(0, end);
 }
 
@@ -282,6 +284,10 @@ std::string led_url(const CardSettings& settings) {
 
 CheckedCard parse_card(const std::string& toml_text) {
   CheckedCard checked;
+  if (toml_text.size() > kMostBytes) {
+    checked.mistakes.push_back({1, "the file is larger than 64 KiB: it is no camera.toml"});
+    return checked;
+  }
   if (toml_text.starts_with("\xFF\xFE") || toml_text.starts_with("\xFE\xFF")) {
     checked.mistakes.push_back({1, "the file is in UTF-16: save it again as UTF-8 text"});
     return checked;
@@ -292,7 +298,10 @@ CheckedCard parse_card(const std::string& toml_text) {
   } catch (const toml::parse_error& error) {
     const int line = static_cast<int>(error.source().begin.line);
     if (line > 1) checked.settings = parse_card(first_lines(toml_text, line - 1)).settings;
-    checked.mistakes = {{line, std::string(error.description()) + "; a text stands in quotes, on one line"}};
+    std::string text(error.description());
+    if (text.find("parsing value") != std::string::npos || text.find(" string:") != std::string::npos)
+      text += "; a text stands in quotes, on one line";
+    checked.mistakes = {{line, std::move(text)}};
   }
   std::stable_sort(checked.mistakes.begin(), checked.mistakes.end(),
                    [](const ConfigMistake& a, const ConfigMistake& b) { return a.line < b.line; });

@@ -19,7 +19,7 @@ SYSTEMCTL
 chmod +x "$work/bin/systemctl"
 take() { PATH=$work/bin:$PATH sh "$work/take-update" "$@" 2>&1; }
 
-fresh() { rm -rf "$work"/{boot,data,run} && mkdir "$work"/{boot,run} && touch "$work/run/ldpd.toml" "$work/active"; }
+fresh() { rm -rf "$work"/{boot,data,run} && mkdir "$work"/{boot,run} && touch "$work/active"; }
 package() { echo "layered-depth-panorama_$1_arm64.deb"; }
 offer() {
   echo "package $1" >"$work/boot/$(package "$1")"
@@ -52,6 +52,14 @@ expect "$said" "laid: package 0.3.0" && expect "$said" "systemctl --no-block reb
 touch "$work/active"
 said=$(take lay && take judge)
 expect "$said" "laid: package 0.2.0" && expect "$said" "it was given up" && expect_not "$said" "laid: package 0.3.0"
+
+offer 0.3.1  # a mistake in camera.toml, for which nothing starts, says nothing of it; a ldp-card that fails does
+rm "$work/active" && echo mistake >"$work/run/mistaken"
+for _ in 1 2 3 4 5 6 7; do expect "$(take lay && take judge)" "laid: package 0.3.1"; done
+echo failure >"$work/run/mistaken"
+expect "$(take lay && take judge)" "systemctl --no-block reboot"
+rm "$work/run/mistaken" && touch "$work/active"
+expect "$(take lay && take judge)" "laid: package 0.2.0"
 
 offer 0.4.0  # it takes the machine with it before anybody can judge
 for _ in 1 2 3 4 5; do expect "$(take lay)" "laid: package 0.4.0"; done

@@ -476,10 +476,11 @@ TEST_F(LdpdTest, TheBuildThatFollowsEndsWithItsSweep) {
     int signal;
     const char* says = "";
   };
-  const Way ways[] = {{"cancelled", "mode = \"toggle\"\n", "press wait 3300 release", 0, "its frames were removed"},
-                      {"too short", "min_frames = 80\n", "press wait 3000 release", 0, "are needed"},
-                      {"shut down", "", "press wait 60000 release", SIGTERM},
-                      {"killed", "", "press wait 60000 release", SIGKILL}};
+  const Way ways[] = {
+      {"cancelled", "mode = \"toggle\"\n", "press wait 3300 release", 0, "its frames were removed"},
+      {"too short", "min_frames = 80\n", "press wait " + time_for_all(3000) + " release", 0, "are needed"},
+      {"shut down", "", "press wait 60000 release", SIGTERM},
+      {"killed", "", "press wait 60000 release", SIGKILL}};
   build_program("", kNoteLines);
   for (const Way& way : ways) {
     SCOPED_TRACE(way.name);

@@ -12,7 +12,7 @@
 namespace ldp {
 namespace {
 
-// The disk takes its time for every photo; Ctrl-C comes when some are chosen and not yet stored.
+// The disk takes its time for every photo; Ctrl-C comes when all are chosen and some not yet stored.
 TEST_F(LdpdTest, TheFirstInterruptionOfLdpCaptureStoresWhatWasTakenAndTheSecondLeavesAtOnce) {
   script("press wait 600000 release");
   const auto slowed = [&](const std::string& rules, const std::string& folder) {

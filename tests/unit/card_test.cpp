@@ -49,6 +49,11 @@ const char* const kHome =
 
 const std::string kKey = "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIKg0IbaCPqYEjPg6EDtfxodJEYBvVKS4pcamQkNYLegr me@home";
 
+const std::string kEcdsaKey =
+    "ecdsa-sha2-nistp256 "
+    "AAAAE2VjZHNhLXNoYTItbmlzdHAyNTYAAAAIbmlzdHAyNTYAAABBBL8CfI0x3JblyQrFUaszVPJ93fVZC1VvKV/"
+    "5bXlyJ1I9rxcHtDyMEbhPcFvq+9TtaDX1mnix4MXZ6+l0FYt/hxA=";
+
 struct Mistake {
   int line;
   const char* text;
@@ -124,6 +129,7 @@ TEST(Card, EveryMistakeIsNamedWithItsLine) {
 
 TEST(Card, WhatEditorsAndHabitsMakeOfItIsToldInWords) {
   expect_mistakes("name = 'a'\nbutton = 17\n", {{2, "'button' is a section: write [button]"}});
+  expect_mistakes(std::string(70000, '\n'), {{1, "the file is larger than 64 KiB"}});
   expect_mistakes(std::string("\xFF\xFEn\0a\0", 6), {{1, "the file is in UTF-16: save it again as UTF-8"}});
 }
 
@@ -140,7 +146,8 @@ TEST(Card, WhatIsNoPublicKeyIsAMistake) {
                                    kKey + "\n" + kKey, "command=\"sh\" " + kKey,  // two; options
                                    std::string(kKey, 0, end - 5),                 // cut
                                    "ssh-rsa" + std::string(kKey, 11),             // of another kind than it says
-                                   kKey + std::string(1 << 20, 'e')})
+                                   kEcdsaKey.substr(0, kEcdsaKey.size() - 1),     // cut within its padding
+                                   kKey + std::string(1 << 13, 'e')})
     expect_mistakes("[network]\nkind = 'cable'\nssh_key = \"\"\"" + wrong + "\"\"\"\n",
                     {{3, "network.ssh_key: expected"}});
   expect_mistakes("[network]\nkind = 'cable'\nssh_key = 7\n", {{3, "network.ssh_key: expected"}});
@@ -159,9 +166,9 @@ TEST(Card, WhatIsNotTomlIsToldWithItsLine) {
 }
 
 TEST(Card, WhatStandsAboveALineThatIsNoTomlHolds) {
-  const CheckedCard checked = parse_card("[led]\nline = 5\n[network]\nssh_key = ssh-ed25519 AAAA\nkind = 'cable'\n");
+  const CheckedCard checked = parse_card("\n[led]\nline = 5\n[network]\nssh_key = ssh-ed25519 AAAA\nkind = 'cable'\n");
   ASSERT_EQ(checked.mistakes.size(), 1U);
-  EXPECT_EQ(checked.mistakes[0].line, 4);
+  EXPECT_EQ(checked.mistakes[0].line, 5);
   EXPECT_THAT(checked.mistakes[0].text, HasSubstr("a text stands in quotes, on one line"));
   EXPECT_EQ(checked.settings.led_line, "gpiochip0/5");
   EXPECT_EQ(checked.settings.network, Network::none);
@@ -223,6 +230,7 @@ TEST(Card, NothingListensUnlessItIsAskedFor) {
 TEST(Card, OnlyTheHolderOfAKeyMayLogIn) {
   EXPECT_EQ(file_of(settings_of("network.kind = 'cable'\n"), "authorized_keys"), "no such file");
   EXPECT_EQ(file_of(settings_of("network.ssh_key = ''\n"), "authorized_keys"), "no such file");
+  EXPECT_EQ(settings_of("network.kind = 'cable'\nnetwork.ssh_key = '" + kEcdsaKey + "'\n").ssh_key, kEcdsaKey);
   EXPECT_EQ(file_of(settings_of("network.kind = 'cable'\nnetwork.ssh_key = '" + kKey + "'\n"), "authorized_keys"),
             kKey + "\n");
 }
