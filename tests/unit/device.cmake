@@ -19,4 +19,7 @@ if(LDP_DRIVERS)
 endif()
 if(NOT CMAKE_CROSSCOMPILING)  # it replaces operator new of its whole program
   ldp_test(no_memory_test SOURCES no_memory_test.cpp USES ldp_service ldp_backends ldp_hardware ldp_panorama ldp_photos)
+  if(LDP_SANITIZE MATCHES thread)  # whose own operator new comes second
+    target_link_options(no_memory_test PRIVATE -Wl,--allow-multiple-definition)
+  endif()
 endif()

@@ -54,10 +54,11 @@ class ScriptedDevice : public StatusListener {
   int64_t ignored() const override { return 0; }
   bool ended() const override { return ended_; }
   void send(Command command) override { heard_.push_back(command); }
+  // Whoever reads may destroy it as soon as it has ended.
   void end() {
-    ended_ = true;
     const uint64_t one = 1;
     EXPECT_EQ(::write(fd_.get(), &one, sizeof one), ssize_t{sizeof one});
+    ended_ = true;
   }
 
  private:

@@ -16,6 +16,7 @@
 #include "core/panorama/file/ldp_file.h"
 #include "core/photos/images.h"
 #include "device/capture/frame_writer.h"
+#include "tests/sanitizers.h"
 
 namespace {
 
@@ -50,6 +51,8 @@ namespace ldp {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kOthersAllocate = "what libraries allocate comes from its own operator new";
 
 // While one is alive, the allocation after `spared` others fails; with `then_all` every one after it too.
 class MemoryEnds {
@@ -181,6 +184,7 @@ TEST_F(NoMemory, WorkOnThreadsEndsWithTheFailureOrWithAllItems) {
 }
 
 TEST_F(NoMemory, APanoramaIsReadOrMemoryIsToldToHaveEnded) {
+  NOT_UNDER_THREAD_SANITIZER(kOthersAllocate);
   for (const char* const name : {"tiny", "gathered_jpeg", "whole_strips"}) {
     const std::vector<uint8_t> bytes = read_file(LDP_TEST_DATA "/golden/" + std::string(name) + ".ldp");
     EXPECT_GT(expect_bad_alloc_only([&] { decode_ldp(bytes); }), 50);
@@ -189,6 +193,7 @@ TEST_F(NoMemory, APanoramaIsReadOrMemoryIsToldToHaveEnded) {
 }
 
 TEST_F(NoMemory, APhotoIsReadOrMemoryIsToldToHaveEnded) {
+  NOT_UNDER_THREAD_SANITIZER(kOthersAllocate);
   RgbImage image(40, 30);
   for (size_t i = 0; i < image.samples.size(); ++i) image.samples[i].g = static_cast<uint8_t>(i * 2654435761U >> 7);
   for (const auto& bytes : {encode_jpeg(image, 90), encode_png(image), encode_webp(image, 90)})

@@ -15,6 +15,7 @@
 
 #include "core/base/job.h"
 #include "core/base/plane.h"
+#include "tests/sanitizers.h"
 
 namespace ldp {
 namespace {
@@ -22,6 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSide = 4096;  // of planes of 16 MiB
+constexpr const char* kShadow = "its shadow of what is touched stays in memory";
 constexpr size_t kNothing = 1, kPlenty = std::numeric_limits<size_t>::max();
 
 uint8_t pattern(int x, int y) { return static_cast<uint8_t>(x * 31 + y * 17 + (x * y >> 5)); }
@@ -72,6 +74,7 @@ TEST_F(ScratchSpaceTest, PlanesKeepTheirSamplesHoweverOftenTheyAreLetGo) {
 }
 
 TEST_F(ScratchSpaceTest, TheProcessIsBackWithinItsBudget) {
+  NOT_UNDER_THREAD_SANITIZER(kShadow);
   const size_t before = resident_mebibytes();
   ScratchSpace scratch(folder_, (before + 8) << 20);
   const Plane<uint8_t> one = patterned(), two = patterned();
@@ -82,6 +85,7 @@ TEST_F(ScratchSpaceTest, TheProcessIsBackWithinItsBudget) {
 }
 
 TEST_F(ScratchSpaceTest, WhatWasTouchedInAMomentIsLetGoBeforeTheNextTask) {
+  NOT_UNDER_THREAD_SANITIZER(kShadow);
   constexpr int kPlanes = 8, kPage = 4096;
   const size_t before = resident_mebibytes();
   ScratchSpace scratch(folder_, (before + 16) << 20);
