@@ -18,7 +18,10 @@ constexpr int kMargin = kGreySteps;              // by which photographs must pr
 constexpr int kSmoothness = 3 * kGreySteps / 4;  // gain of each of the eight neighbours on one's own surface
 
 // Which of two depth maps the photographs contradict less (proposal_fusion.cpp).
-constexpr double kFusionApartPx = 2;  // surfaces differ where parallax between them exceeds this
+constexpr double kFusionApartPx = 2;    // surfaces differ where parallax between them exceeds this
+constexpr int kFusionColumnsApart = 2;  // of a camera's columns, those that are compared
+
+constexpr double kRoughApartPx = 8;  // what is apart by more parallax is not rougher still
 
 // What matches best without smoothness (unsmoothed.cpp): by more than this, in 1/kCostScale grey levels.
 constexpr int kClearlyCheaper = 4;
@@ -30,7 +33,9 @@ constexpr int kWitnessNoise = 2;                          // grey levels that sa
 constexpr int kWitnessMostDiffer = 24;                    // grey levels: what differs more is just another surface
 constexpr int kDifferenceSteps = 16;                      // to a grey level
 constexpr int kUnknownDifference = 6 * kDifferenceSteps;  // of what no other camera sees
-// By so much less must all cameras contradict a proposal, summed over what is decided on together: less is noise.
-constexpr int kPreferred = 32 * kDifferenceSteps;
+// By so much less must all cameras contradict a proposal, summed over what is compared of it: less is noise.
+constexpr int kPreferred = 32 * kDifferenceSteps / kFusionColumnsApart;
+// What a pixel's being apart by kRoughApartPx from one of its four neighbours weighs against that.
+constexpr int kRoughness = 2 * kDifferenceSteps / kFusionColumnsApart;
 
 }  // namespace ldp::layers::tuning

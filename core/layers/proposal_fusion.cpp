@@ -31,7 +31,8 @@ std::vector<size_t> with_witnesses(const PhotoConsistency& photos, size_t first,
   return all;
 }
 
-// A depth map as the cameras see it: painted for some of them at a time, each map let go when no one asks for it.
+// A depth map as the cameras' columns that are compared see it: painted for some of them at a time, each map let go
+// when no one asks for it.
 class Hypothesis {
  public:
   // All but the map must outlive it.
@@ -67,9 +68,9 @@ Hypothesis::~Hypothesis() {
 void Hypothesis::look(size_t camera) {
   const UprightCamera& from = frames_[camera].camera;
   auto view = memory_.take();
-  empty_map(brush_.grid, from, {}, view->map);
-  assign(view->seen, from.height, from.width, kSeesNothing);
-  MapPainter painter(brush_, from, view->map, &view->seen);
+  empty_map(brush_.grid, from, {}, view->map, kFusionColumnsApart);
+  assign(view->seen, from.height, columns_of_map(from, kFusionColumnsApart), kSeesNothing);
+  MapPainter painter(brush_, from, view->map, &view->seen, kFusionColumnsApart);
   for (int x = 0; x < brush_.grid.width; ++x) painter.paint(x);
   maps_[camera] = &view->map;
   views_[camera] = std::move(view);
@@ -114,6 +115,53 @@ class PixelSums {
  private:
   Plane<int32_t> sums_;
 };
+
+// How far apart the disparities of neighbours are, summed over a pixel's four; what is farther apart than `most` is
+// just another surface.
+class Smoothness {
+ public:
+  Smoothness(const Plane<uint8_t>& changes, const DisparityMap& layer, const DisparityMap& proposal, int most)
+      : changes_(changes), layer_(layer), proposal_(proposal), most_(most) {}
+
+  // By how much smoother the layer gets at (x, y), inside it, if the pixel takes the proposal over, and its neighbours
+  // do that change likewise.
+  int gain(int x, int y) const {
+    const uint8_t kind = changes_.at(y, x);
+    int sum = 0;
+    for (const auto& [right, down] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+      const bool moves = changes_.at(y + down, x + right) == kind;
+      const int before = layer_.at(x + right, y + down), after = (moves ? proposal_ : layer_).at(x + right, y + down);
+      if (before == kNoDisparity) continue;
+      sum += apart(layer_.at(x, y), before) - apart(proposal_.at(x, y), after);
+    }
+    return sum;
+  }
+
+ private:
+  int apart(int a, int b) const { return std::min(std::abs(a - b), most_); }
+
+  const Plane<uint8_t>& changes_;
+  const DisparityMap &layer_, &proposal_;
+  int most_;
+};
+
+// Adds what smoothness is worth to the gains. A proposal that is rougher has to be wanted the more by the photographs.
+// That it is smoother counts only where they tell something of it, and where it goes farther: near surfaces would grow
+// into what one photo alone sees beside them.
+void add_smoothness(const PanoramaGrid& grid, const Plane<uint8_t>& changes, const DisparityMap& layer,
+                    const DisparityMap& proposal, Plane<int32_t>& gains) {
+  const int most = std::max(1, static_cast<int>(parallax_steps(grid, kRoughApartPx)));
+  const Smoothness smoothness(changes, layer, proposal, most);
+  for (int x = 1; x + 1 < layer.width; ++x)
+    for (int y = 1; y + 1 < layer.height; ++y) {
+      const uint8_t kind = changes.at(y, x);
+      if (kind == kSame) continue;
+      int32_t& gain = gains.at(y, x);
+      int smoother = smoothness.gain(x, y);
+      if (kind == kNearer || gain == 0) smoother = std::min(smoother, 0);
+      gain += kRoughness * smoother / most;
+    }
+}
 
 // Sums of gains over squares, of one kind of change.
 class SquareSums {
@@ -161,11 +209,12 @@ namespace ldp {
 using namespace layers;
 
 ProposalFusion::ProposalFusion(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames)
-    : grid_(grid), frames_(frames), photos_(grid, frames) {}
+    : grid_(grid), frames_(frames), photos_(grid, frames, tuning::kFusionColumnsApart) {}
 
 void ProposalFusion::fuse(const DisparityMap& proposal, int reach_px, const Job& job, DisparityMap& layer) {
   const Plane<uint8_t> change = changes(layer, proposal);
-  const Plane<int32_t> gain = gains(change, layer, proposal, job);
+  Plane<int32_t> gain = gains(change, layer, proposal, job);
+  add_smoothness(grid_, change, layer, proposal, gain);
   for (const Change kind : {kNearer, kFarther}) {
     SquareSums sums(gain, change, kind, reach_px);
     for (int x = 0; x < layer.width; ++x) sums.next(x, [&](int y) { layer.at(x, y) = proposal.at(x, y); });
@@ -196,9 +245,10 @@ Plane<int32_t> ProposalFusion::gains(const Plane<uint8_t>& changes, const Dispar
     const UprightFrame& frame = frames_[camera];
     PhotoConsistency::Pixels asked;
     std::vector<int> of_own, of_other;
-    for (asked.x = 0; asked.x < frame.camera.width; ++asked.x) {
+    for (int compared = 0; compared < own.seen(camera).height; ++compared) {
+      const uint32_t *before = own.seen(camera).row(compared), *after = other.seen(camera).row(compared);
+      asked.x = compared * tuning::kFusionColumnsApart;
       const auto column = static_cast<size_t>(asked.x);
-      const uint32_t *before = own.seen(camera).row(asked.x), *after = other.seen(camera).row(asked.x);
       asked.rows.clear();
       for (int y = frame.valid_begin[column]; y < frame.valid_end[column]; ++y)
         if (changed(before[y]) || changed(after[y])) asked.rows.push_back(y);

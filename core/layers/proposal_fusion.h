@@ -22,8 +22,8 @@ class ProposalFusion {
   ProposalFusion(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames);
 
   // Where `proposal` has another surface than the layer, the layer takes it over if the photographs, compared with each
-  // other over both, contradict it less: summed over the pixels within `reach_px` of it, both ways, that would come
-  // nearer, or of those that would go farther, as it does.
+  // other over both, contradict it less, by the more the rougher it is: summed over the pixels within `reach_px` of it,
+  // both ways, that would come nearer, or of those that would go farther, as it does.
   void fuse(const DisparityMap& proposal, int reach_px, const Job& job, DisparityMap& layer);
 
  private:

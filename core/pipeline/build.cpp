@@ -179,8 +179,6 @@ class Build {
       fusion.fuse(before, kIterationsReachPx, job_, layer);
     }
     fusion.fuse(over(std::exchange(unsmoothed_, {}), layer), kPropagationReachPx, job_, layer);
-    for (const int px : effort_.background_px)
-      fusion.fuse(without_silhouettes(layer, px), kPropagationReachPx, job_, layer);
     for (const int px : effort_.propagation_px)
       for (const auto& [right, down] : {std::pair(px, 0), {-px, 0}, {0, px}, {0, -px}})
         fusion.fuse(shifted(grid_, layer, right, down), kPropagationReachPx, job_, layer);

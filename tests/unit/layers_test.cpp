@@ -390,7 +390,7 @@ TEST(PhotoConsistency, NoCameraContradictsTheTruth) {
   const auto maps = visibility(grid, {&truth}, frames, {}, {});
   std::vector<const VisibilityMap*> of_cameras;
   for (const VisibilityMap& map : maps) of_cameras.push_back(&map);
-  const layers::PhotoConsistency photos(grid, frames);
+  const layers::PhotoConsistency photos(grid, frames, 1);
   int seen = 0, contradicted = 0;
   layers::PhotoConsistency::Pixels column;
   for (int y = 0; y < 80; ++y) column.rows.push_back(y);
@@ -405,6 +405,75 @@ TEST(PhotoConsistency, NoCameraContradictsTheTruth) {
   }
   EXPECT_GT(seen, 4000);
   EXPECT_LT(contradicted, 60);
+}
+
+// Pictures of nothing but noise, another one in each camera.
+std::vector<UprightFrame> noisy_photographs() {
+  std::vector<UprightFrame> frames = three_cameras();
+  uint32_t state = 1;
+  for (UprightFrame& frame : frames)
+    for (uint8_t& sample : frame.columns.samples) {
+      state = state * 1664525 + 1013904223;
+      sample = static_cast<uint8_t>(112 + (state >> 24));
+    }
+  return frames;
+}
+
+DisparityMap with_specks(DisparityMap map, uint16_t disparity) {
+  for (int y = 1; y + 1 < map.height; ++y)
+    for (int x = 1; x + 1 < map.width; ++x)
+      if ((x * 7 + y * 5) % 4 == 0) map.at(x, y) = disparity;
+  return map;
+}
+
+// Every proposal suits some noise better: what is rougher must suit it clearly, and what is smoother may be taken more
+// easily where it is farther.
+TEST(FuseProposal, OfNoiseTakesLittleThatIsRoughAndWhatIsSmoothWhereItIsFarther) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap far(grid.width, grid.height, 0), near(grid.width, grid.height, kNearSteps),
+      far_specks = with_specks(near, 0), near_specks = with_specks(far, kNearSteps);
+  const auto taken = [&](const DisparityMap& layer, const DisparityMap& proposal) {
+    return differing(fused(grid, noisy_photographs(), layer, proposal, {}, 1), layer);
+  };
+  // Were roughness nothing: 391, 273, 443 and 418.
+  EXPECT_LT(taken(far, near_specks), 320);
+  EXPECT_LT(taken(near, far_specks), 210);
+  EXPECT_LT(taken(far_specks, near), 500);
+  EXPECT_GT(taken(near_specks, far), 500);
+}
+
+// Where no photograph tells anything, neither does smoothness.
+TEST(FuseProposal, WhatNoTwoPhotographsSeeStays) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap square = square_before_the_sky(grid), flat(grid.width, grid.height, 0);
+  const std::vector<UprightFrame> one = {upright_of(camera_at(0), 0)};
+  EXPECT_EQ(fused(grid, one, square, flat), square);
+  EXPECT_EQ(fused(grid, one, flat, square), flat);
+}
+
+TEST(MapPainter, EverySecondColumnIsTheOneOfTheWholeMap) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const layers::Brush brush(grid, square_before_the_sky(grid), {});
+  const UprightFrame frame = upright_of(camera_at(-0.25), 0);
+  const auto painted = [&](int columns_apart) {
+    layers::PaintedView view;
+    layers::empty_map(grid, frame.camera, {}, view.map, columns_apart);
+    layers::assign(view.seen, frame.camera.height, layers::columns_of_map(frame.camera, columns_apart),
+                   layers::kSeesNothing);
+    layers::MapPainter painter(brush, frame.camera, view.map, &view.seen, columns_apart);
+    for (int x = 0; x < grid.width; ++x) painter.paint(x);
+    return view;
+  };
+  const layers::PaintedView whole = painted(1);
+  for (const int apart : {2, 3}) {
+    const layers::PaintedView some = painted(apart);
+    ASSERT_EQ(some.seen.height, (frame.camera.width + apart - 1) / apart);
+    for (int column = 0; column < some.seen.height; ++column)
+      for (int row = 0; row < frame.camera.height; ++row) {
+        ASSERT_EQ(some.seen.at(row, column), whole.seen.at(row, column * apart)) << column << ", " << row;
+        ASSERT_EQ(some.map.inverse_z.at(row, column), whole.map.inverse_z.at(row, column * apart));
+      }
+  }
 }
 
 TEST(MapPainter, TellsThePixelThatIsSeenAndNotThoseBehindIt) {

@@ -34,13 +34,15 @@ Brush::Brush(const PanoramaGrid& on, const DisparityMap& layer, const LayersOpti
   }
 }
 
-MapPainter::MapPainter(const Brush& brush, const UprightCamera& camera, VisibilityMap& map, SeenPixels* seen)
+MapPainter::MapPainter(const Brush& brush, const UprightCamera& camera, VisibilityMap& map, SeenPixels* seen,
+                       int columns_apart)
     : grid_(brush.grid),
       brush_(brush),
       camera_(camera),
       projection_(grid_, camera),
       map_(map),
       seen_(seen),
+      columns_apart_(columns_apart),
       rows_(5 * static_cast<size_t>(brush.columns.width)) {
   const auto rows = [&](int i) { return rows_.data() + static_cast<ptrdiff_t>(i) * brush.columns.width; };
   boxes_ = {rows(0), rows(1), rows(2), rows(3), rows(4)};
@@ -67,9 +69,12 @@ kernels::ColumnInView MapPainter::projected(const Sides& sides) const {
     return linear(projection_.forward(u, 0), projection_.forward(u, 1));
   };
   const auto across = [&](const VoxelProjection::Column& u) {
-    const auto at = [&](double w) {
+    const auto camera_at = [&](double w) {
       return camera_.focal * projection_.right(u, w) + camera_.cx * projection_.forward(u, w);
     };
+    // The map's column j is the camera's column j * columns_apart_: their middles lie at the same place.
+    const double per_column = 1.0 / columns_apart_, shift = 0.5 - 0.5 * per_column;
+    const auto at = [&](double w) { return per_column * camera_at(w) + shift * projection_.forward(u, w); };
     return linear(at(0), at(1));
   };
   const VoxelProjection::Column middle{0.5 * (sides.left.right + sides.right.right),
@@ -96,8 +101,7 @@ bool MapPainter::in_view(Heading h) const {
 
 // Does the column stay outside the map at every disparity? Its place in the image is monotonic in inverse depth.
 bool MapPainter::beside_view(const Sides& sides) const {
-  const double end_px = 1.0 * map_.inverse_z.height, w_far = grid_.inverse_depth(0),
-               w_near = grid_.inverse_depth(kDisparitySteps);
+  const double end_px = camera_.width, w_far = grid_.inverse_depth(0), w_near = grid_.inverse_depth(kDisparitySteps);
   const auto always = [&](const VoxelProjection::Column& u, const auto& outside) {
     return projection_.forward(u, w_far) > 0.1 && projection_.forward(u, w_near) > 0.1 &&
            outside(projection_.x_px(u, w_far)) && outside(projection_.x_px(u, w_near));
@@ -108,7 +112,7 @@ bool MapPainter::beside_view(const Sides& sides) const {
 
 void MapPainter::draw_box(int x, int y) {
   const int y0 = boxes_.begin_y[y], y1 = boxes_.end_y[y];
-  if (y0 >= y1) return;
+  if (y0 >= y1 || boxes_.begin_x[y] >= boxes_.end_x[y]) return;
   const auto nearness = static_cast<uint16_t>(boxes_.inverse_z[y]);
   for (int column = boxes_.begin_x[y]; column < boxes_.end_x[y]; ++column) {
     uint16_t* out = map_.inverse_z.row(column);
@@ -121,10 +125,10 @@ void MapPainter::draw_box(int x, int y) {
   }
 }
 
-void empty_map(const PanoramaGrid& grid, const UprightCamera& camera, const LayersOptions& options,
-               VisibilityMap& map) {
+void empty_map(const PanoramaGrid& grid, const UprightCamera& camera, const LayersOptions& options, VisibilityMap& map,
+               int columns_apart) {
   const double nearest = std::max(grid.w_near, 1e-9) * 4;  // cameras stand off the ray origins: some room
-  assign(map.inverse_z, camera.height, camera.width, kUncovered);
+  assign(map.inverse_z, camera.height, columns_of_map(camera, columns_apart), kUncovered);
   map.scale = nearest / 65535;
   const double label = (grid.w_near - grid.w_far) / (kLabels - 1);
   map.tolerance = static_cast<int>(std::min(65535.0, std::ceil(options.tolerance_labels * label / map.scale)));

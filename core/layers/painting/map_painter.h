@@ -31,8 +31,10 @@ constexpr uint32_t kSeesNothing = 0xFFFFFFFF;
 
 class MapPainter {
  public:
-  // `seen` may be null; what is given must outlive it.
-  MapPainter(const Brush& brush, const UprightCamera& camera, VisibilityMap& map, SeenPixels* seen = nullptr);
+  // `seen` may be null; what is given must outlive it. Both hold every columns_apart-th column of the camera, from its
+  // first.
+  MapPainter(const Brush& brush, const UprightCamera& camera, VisibilityMap& map, SeenPixels* seen = nullptr,
+             int columns_apart = 1);
 
   // One column of the layer.
   void paint(int x);
@@ -54,6 +56,7 @@ class MapPainter {
   VoxelProjection projection_;
   VisibilityMap& map_;
   SeenPixels* seen_;
+  int columns_apart_;
   std::vector<int32_t> rows_;  // what boxes_ points to
   kernels::Boxes boxes_;       // of the column that is painted
 };
@@ -73,7 +76,13 @@ void assign(Plane<T>& plane, int width, int height, T value) {
   plane.samples.assign(static_cast<size_t>(width) * static_cast<size_t>(height), value);
 }
 
-// Of a camera that sees nothing yet.
-void empty_map(const PanoramaGrid& grid, const UprightCamera& camera, const LayersOptions& options, VisibilityMap& map);
+// Of a camera that sees nothing yet, and so many of its columns.
+void empty_map(const PanoramaGrid& grid, const UprightCamera& camera, const LayersOptions& options, VisibilityMap& map,
+               int columns_apart = 1);
+
+// Of a camera's columns, how many a map holds.
+inline int columns_of_map(const UprightCamera& camera, int columns_apart) {
+  return (camera.width + columns_apart - 1) / columns_apart;
+}
 
 }  // namespace ldp::layers

@@ -97,8 +97,8 @@ PhotoConsistency::Witness::Witness(size_t other, const UprightCamera& from, cons
       step_down(exact_dot(down, from.centre - to.centre)),
       step_forward(exact_dot(to.forward, from.centre - to.centre)) {}
 
-PhotoConsistency::PhotoConsistency(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames)
-    : frames_(frames) {
+PhotoConsistency::PhotoConsistency(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, int columns_apart)
+    : frames_(frames), columns_apart_(columns_apart) {
   const Eigen::Vector3d down = -grid.arc.axis();
   for (size_t k = 0; k < frames.size(); ++k) {
     const UprightCamera& own = frames[k].camera;
@@ -143,6 +143,7 @@ kernels::ToWitness PhotoConsistency::Witness::from_column(const UprightCamera& f
 void PhotoConsistency::differences(size_t k, const Pixels& pixels, const std::vector<const VisibilityMap*>& maps,
                                    std::vector<int>& found) const {
   const UprightFrame& own = frames_[k];
+  const uint16_t* surface = maps[k]->inverse_z.row(pixels.x / columns_apart_);
   const size_t count = pixels.rows.size(), padded = count + kernels::kPadding;
   std::vector<int32_t> memory(5 * padded);
   const auto row = [&](size_t i) { return memory.data() + i * padded; };
@@ -150,7 +151,7 @@ void PhotoConsistency::differences(size_t k, const Pixels& pixels, const std::ve
   std::vector<Looked> looked(count);
   for (size_t i = 0; i < count; ++i) {
     rows[i] = pixels.rows[i];
-    steps[i] = maps[k]->inverse_z.row(pixels.x)[rows[i]];
+    steps[i] = surface[rows[i]];
     looked[i].wanted = steps[i] != kUncovered && has_neighbours(own, pixels.x, rows[i]);
     if (looked[i].wanted) looked[i].own = around(own, pixels.x, rows[i]);
   }
@@ -161,7 +162,7 @@ void PhotoConsistency::differences(size_t k, const Pixels& pixels, const std::ve
     kernels::best().look_from_witness(there, rows, steps, static_cast<int>(count), x, y, nearest);
     for (size_t i = 0; i < count; ++i)
       if (looked[i].wanted && x[i] >= 0 && has_neighbours(other, x[i], y[i]) &&
-          map.inverse_z.row(x[i])[y[i]] <= nearest[i])
+          map.inverse_z.row(x[i] / columns_apart_)[y[i]] <= nearest[i])
         looked[i].compare(other, x[i], y[i]);
   }
   found.clear();

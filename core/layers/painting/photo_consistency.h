@@ -16,12 +16,13 @@ namespace ldp::layers {
 // account. Frames must outlive it.
 class PhotoConsistency {
  public:
-  PhotoConsistency(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames);
+  // Every map holds the camera's columns 0, columns_apart, 2 columns_apart ...
+  PhotoConsistency(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, int columns_apart);
 
   // The cameras that are asked about what camera k sees.
   std::vector<size_t> witnesses(size_t k) const;
 
-  // Pixels of one column.
+  // Pixels of one column that maps hold.
   struct Pixels {
     int x = 0;
     std::vector<int32_t> rows;
@@ -46,6 +47,7 @@ class PhotoConsistency {
   };
 
   const std::vector<UprightFrame>& frames_;
+  int columns_apart_;
   std::vector<std::vector<Witness>> witnesses_;  // of each frame, nearest first
 };
 
