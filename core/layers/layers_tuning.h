@@ -18,8 +18,7 @@ constexpr int kMargin = kGreySteps;              // by which photographs must pr
 constexpr int kSmoothness = 3 * kGreySteps / 4;  // gain of each of the eight neighbours on one's own surface
 
 // Which of two depth maps the photographs contradict less (proposal_fusion.cpp).
-constexpr double kFusionApartPx = 2;    // surfaces differ where parallax between them exceeds this
-constexpr int kFusionColumnsApart = 2;  // of a camera's columns, those that are compared
+constexpr double kFusionApartPx = 2;  // surfaces differ where parallax between them exceeds this
 
 constexpr double kRoughApartPx = 8;  // what is apart by more parallax is not rougher still
 
@@ -33,9 +32,10 @@ constexpr int kWitnessNoise = 2;                          // grey levels that sa
 constexpr int kWitnessMostDiffer = 24;                    // grey levels: what differs more is just another surface
 constexpr int kDifferenceSteps = 16;                      // to a grey level
 constexpr int kUnknownDifference = 6 * kDifferenceSteps;  // of what no other camera sees
-// By so much less must all cameras contradict a proposal, summed over what is compared of it: less is noise.
-constexpr int kPreferred = 32 * kDifferenceSteps / kFusionColumnsApart;
+// By so much less must all cameras contradict a proposal, summed over what is decided on together: less is noise. (This
+// and the next are of all columns, and less where fewer are compared.)
+constexpr int kPreferred = 32 * kDifferenceSteps;
 // What a pixel's being apart by kRoughApartPx from one of its four neighbours weighs against that.
-constexpr int kRoughness = 2 * kDifferenceSteps / kFusionColumnsApart;
+constexpr int kRoughness = 2 * kDifferenceSteps;
 
 }  // namespace ldp::layers::tuning

@@ -37,7 +37,7 @@ class Hypothesis {
  public:
   // All but the map must outlive it.
   Hypothesis(const PanoramaGrid& grid, const DisparityMap& map, const std::vector<UprightFrame>& frames,
-             PaintedViews& memory);
+             int columns_apart, PaintedViews& memory);
   ~Hypothesis();
   Hypothesis(const Hypothesis&) = delete;
   Hypothesis& operator=(const Hypothesis&) = delete;
@@ -52,14 +52,20 @@ class Hypothesis {
  private:
   Brush brush_;
   const std::vector<UprightFrame>& frames_;
+  int columns_apart_;
   PaintedViews& memory_;
   std::vector<std::unique_ptr<PaintedView>> views_;  // one per camera
   std::vector<const VisibilityMap*> maps_;
 };
 
 Hypothesis::Hypothesis(const PanoramaGrid& grid, const DisparityMap& map, const std::vector<UprightFrame>& frames,
-                       PaintedViews& memory)
-    : brush_(grid, map, {}), frames_(frames), memory_(memory), views_(frames.size()), maps_(frames.size()) {}
+                       int columns_apart, PaintedViews& memory)
+    : brush_(grid, map, {}),
+      frames_(frames),
+      columns_apart_(columns_apart),
+      memory_(memory),
+      views_(frames.size()),
+      maps_(frames.size()) {}
 
 Hypothesis::~Hypothesis() {
   for (size_t camera = 0; camera < views_.size(); ++camera) forget(camera);
@@ -68,9 +74,9 @@ Hypothesis::~Hypothesis() {
 void Hypothesis::look(size_t camera) {
   const UprightCamera& from = frames_[camera].camera;
   auto view = memory_.take();
-  empty_map(brush_.grid, from, {}, view->map, kFusionColumnsApart);
-  assign(view->seen, from.height, columns_of_map(from, kFusionColumnsApart), kSeesNothing);
-  MapPainter painter(brush_, from, view->map, &view->seen, kFusionColumnsApart);
+  empty_map(brush_.grid, from, {}, view->map, columns_apart_);
+  assign(view->seen, from.height, columns_of_map(from, columns_apart_), kSeesNothing);
+  MapPainter painter(brush_, from, view->map, &view->seen, columns_apart_);
   for (int x = 0; x < brush_.grid.width; ++x) painter.paint(x);
   maps_[camera] = &view->map;
   views_[camera] = std::move(view);
@@ -149,7 +155,7 @@ class Smoothness {
 // That it is smoother counts only where they tell something of it, and where it goes farther: near surfaces would grow
 // into what one photo alone sees beside them.
 void add_smoothness(const PanoramaGrid& grid, const Plane<uint8_t>& changes, const DisparityMap& layer,
-                    const DisparityMap& proposal, Plane<int32_t>& gains) {
+                    const DisparityMap& proposal, int roughness, Plane<int32_t>& gains) {
   const int most = std::max(1, static_cast<int>(parallax_steps(grid, kRoughApartPx)));
   const Smoothness smoothness(changes, layer, proposal, most);
   for (int x = 1; x + 1 < layer.width; ++x)
@@ -159,18 +165,19 @@ void add_smoothness(const PanoramaGrid& grid, const Plane<uint8_t>& changes, con
       int32_t& gain = gains.at(y, x);
       int smoother = smoothness.gain(x, y);
       if (kind == kNearer || gain == 0) smoother = std::min(smoother, 0);
-      gain += kRoughness * smoother / most;
+      gain += roughness * smoother / most;
     }
 }
 
 // Sums of gains over squares, of one kind of change.
 class SquareSums {
  public:
-  SquareSums(const Plane<int32_t>& gains, const Plane<uint8_t>& changes, Change kind, int reach_px)
+  SquareSums(const Plane<int32_t>& gains, const Plane<uint8_t>& changes, Change kind, int reach_px, int enough)
       : gains_(gains),
         changes_(changes),
         kind_(kind),
         reach_px_(reach_px),
+        enough_(enough),
         rows_(static_cast<size_t>(gains.width), 0) {}
 
   // Calls use(y) for the pixels (x, y) of that kind around which the sum tells enough. For one x after the other, from
@@ -184,7 +191,7 @@ class SquareSums {
     for (int y = 0; y < gains_.width; ++y) {
       if (y + reach_px_ < gains_.width) sum += rows_[static_cast<size_t>(y + reach_px_)];
       if (y > reach_px_) sum -= rows_[static_cast<size_t>(y - reach_px_ - 1)];
-      if (sum > kPreferred && changes_.at(y, x) == kind_) use(y);
+      if (sum > enough_ && changes_.at(y, x) == kind_) use(y);
     }
   }
 
@@ -197,8 +204,8 @@ class SquareSums {
   const Plane<int32_t>& gains_;
   const Plane<uint8_t>& changes_;
   Change kind_;
-  int reach_px_, last_ = 0;    // columns below this have been added
-  std::vector<int64_t> rows_;  // of the columns within reach
+  int reach_px_, enough_, last_ = 0;  // columns below this have been added
+  std::vector<int64_t> rows_;         // of the columns within reach
 };
 
 }  // namespace
@@ -208,15 +215,15 @@ namespace ldp {
 
 using namespace layers;
 
-ProposalFusion::ProposalFusion(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames)
-    : grid_(grid), frames_(frames), photos_(grid, frames, tuning::kFusionColumnsApart) {}
+ProposalFusion::ProposalFusion(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, int columns_apart)
+    : grid_(grid), frames_(frames), columns_apart_(columns_apart), photos_(grid, frames, columns_apart) {}
 
 void ProposalFusion::fuse(const DisparityMap& proposal, int reach_px, const Job& job, DisparityMap& layer) {
   const Plane<uint8_t> change = changes(layer, proposal);
   Plane<int32_t> gain = gains(change, layer, proposal, job);
-  add_smoothness(grid_, change, layer, proposal, gain);
+  add_smoothness(grid_, change, layer, proposal, tuning::kRoughness / columns_apart_, gain);
   for (const Change kind : {kNearer, kFarther}) {
-    SquareSums sums(gain, change, kind, reach_px);
+    SquareSums sums(gain, change, kind, reach_px, tuning::kPreferred / columns_apart_);
     for (int x = 0; x < layer.width; ++x) sums.next(x, [&](int y) { layer.at(x, y) = proposal.at(x, y); });
   }
 }
@@ -238,7 +245,8 @@ Plane<uint8_t> ProposalFusion::changes(const DisparityMap& layer, const Disparit
 // stored like the changes [1/kDifferenceSteps grey levels]: over the cameras' pixels that show one under either.
 Plane<int32_t> ProposalFusion::gains(const Plane<uint8_t>& changes, const DisparityMap& layer,
                                      const DisparityMap& proposal, const Job& job) {
-  Hypothesis own(grid_, layer, frames_, memory_), other(grid_, proposal, frames_, memory_);
+  Hypothesis own(grid_, layer, frames_, columns_apart_, memory_),
+      other(grid_, proposal, frames_, columns_apart_, memory_);
   PixelSums sums(layer.width, layer.height);
   const auto changed = [&](uint32_t pixel) { return pixel != kSeesNothing && changes.samples[pixel] != kSame; };
   for_each_camera(photos_, frames_.size(), {&own, &other}, job, [&](size_t camera) {
@@ -247,7 +255,7 @@ Plane<int32_t> ProposalFusion::gains(const Plane<uint8_t>& changes, const Dispar
     std::vector<int> of_own, of_other;
     for (int compared = 0; compared < own.seen(camera).height; ++compared) {
       const uint32_t *before = own.seen(camera).row(compared), *after = other.seen(camera).row(compared);
-      asked.x = compared * tuning::kFusionColumnsApart;
+      asked.x = compared * columns_apart_;
       const auto column = static_cast<size_t>(asked.x);
       asked.rows.clear();
       for (int y = frame.valid_begin[column]; y < frame.valid_end[column]; ++y)

@@ -18,8 +18,8 @@ namespace ldp {
 
 class ProposalFusion {
  public:
-  // Both must outlive it.
-  ProposalFusion(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames);
+  // Both must outlive it. Of the cameras' columns 0, columns_apart, 2 columns_apart ... are compared.
+  ProposalFusion(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, int columns_apart);
 
   // Where `proposal` has another surface than the layer, the layer takes it over if the photographs, compared with each
   // other over both, contradict it less, by the more the rougher it is: summed over the pixels within `reach_px` of it,
@@ -33,6 +33,7 @@ class ProposalFusion {
 
   const PanoramaGrid& grid_;
   const std::vector<UprightFrame>& frames_;
+  int columns_apart_;
   layers::PhotoConsistency photos_;
   layers::PaintedViews memory_;
 };

@@ -172,13 +172,15 @@ class Build {
   // The later of two iterations frees what stands beside near surfaces, and eats their edges where they are plain; each
   // is right in places. Then every pixel is offered the surfaces around it.
   void fuse_proposals(DisparityMap& layer) {
-    ProposalFusion fusion(grid_, upright_);
+    ProposalFusion fusion(grid_, upright_, effort_.columns_apart);
     if (!layers_.empty()) {
       DisparityMap before = std::move(layers_[0]);
       fit_outlines(grid_, upright_, job_, before);
       fusion.fuse(before, kIterationsReachPx, job_, layer);
     }
     fusion.fuse(over(std::exchange(unsmoothed_, {}), layer), kPropagationReachPx, job_, layer);
+    for (const int px : effort_.background_px)
+      fusion.fuse(without_silhouettes(layer, px), kPropagationReachPx, job_, layer);
     for (const int px : effort_.propagation_px)
       for (const auto& [right, down] : {std::pair(px, 0), {-px, 0}, {0, px}, {0, -px}})
         fusion.fuse(shifted(grid_, layer, right, down), kPropagationReachPx, job_, layer);

@@ -353,7 +353,7 @@ DisparityMap halves(const DisparityMap& left, const DisparityMap& right) {
 
 DisparityMap fused(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, DisparityMap layer,
                    const DisparityMap& proposal, const Job& job = {}, int reach_px = 5) {
-  ProposalFusion(grid, frames).fuse(proposal, reach_px, job, layer);
+  ProposalFusion(grid, frames, 2).fuse(proposal, reach_px, job, layer);
   return layer;
 }
 
