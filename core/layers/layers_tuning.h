@@ -19,8 +19,7 @@ constexpr int kSmoothness = 3 * kGreySteps / 4;  // gain of each of the eight ne
 
 // Which of two depth maps the photographs contradict less (proposal_fusion.cpp).
 constexpr double kFusionApartPx = 2;  // surfaces differ where parallax between them exceeds this
-
-constexpr double kRoughApartPx = 8;  // what is apart by more parallax is not rougher still
+constexpr double kRoughApartPx = 8;   // what is apart by more parallax is not rougher still
 
 // What matches best without smoothness (unsmoothed.cpp): by more than this, in 1/kCostScale grey levels.
 constexpr int kClearlyCheaper = 4;

@@ -352,8 +352,8 @@ DisparityMap halves(const DisparityMap& left, const DisparityMap& right) {
 }
 
 DisparityMap fused(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, DisparityMap layer,
-                   const DisparityMap& proposal, const Job& job = {}, int reach_px = 5) {
-  ProposalFusion(grid, frames, 2).fuse(proposal, reach_px, job, layer);
+                   const DisparityMap& proposal, const Job& job = {}, int reach_px = 5, int columns_apart = 2) {
+  ProposalFusion(grid, frames, columns_apart).fuse(proposal, reach_px, job, layer);
   return layer;
 }
 
@@ -369,10 +369,11 @@ TEST(FuseProposal, TakesWhatThePhotographsAgreeOnAndLeavesWhatTheyContradict) {
   const PanoramaGrid grid = simple_grid(0.5);
   const auto frames = photographs_of_the_square(grid, Plain::nothing);
   const DisparityMap truth = square_before_the_sky(grid);
-  for (const DisparityMap& wrong : wrong_maps(grid)) {
-    EXPECT_EQ(fused(grid, frames, wrong, truth), truth);
-    EXPECT_EQ(fused(grid, frames, truth, wrong), truth);
-  }
+  for (const int columns_apart : {1, 2})
+    for (const DisparityMap& wrong : wrong_maps(grid)) {
+      EXPECT_EQ(fused(grid, frames, wrong, truth, {}, 5, columns_apart), truth);
+      EXPECT_EQ(fused(grid, frames, truth, wrong, {}, 5, columns_apart), truth);
+    }
 }
 
 TEST(FuseProposal, DecidesPlaceByPlace) {
