@@ -296,7 +296,7 @@ std::optional<HeardMessage> decode_message(const std::string& channel, std::span
 
 std::optional<Command> decode_command(std::span<const uint8_t> bytes) {
   const auto wire = decode<ldp_lcm::command_t>(bytes);
-  return wire ? enum_from(wire->command, Command::retry) : std::nullopt;
+  return wire ? enum_from(wire->command, kCommands.back()) : std::nullopt;
 }
 
 std::unique_ptr<StatusChannel> open_lcm_status(const Url& url) { return std::make_unique<LcmStatus>(url); }

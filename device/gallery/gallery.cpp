@@ -49,7 +49,7 @@ bool same_secret(const std::string& a, const std::string& b) {
 }
 
 std::optional<Command> command_named(const std::string& word) {
-  for (const Command command : {Command::press, Command::release, Command::cancel, Command::retry})
+  for (const Command command : kCommands)
     if (word == name_of(command)) return command;
   return std::nullopt;
 }

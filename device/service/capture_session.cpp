@@ -110,12 +110,15 @@ void CaptureSession::button_is_held(Hold hold) {
   }
 }
 
+// A command holds nothing: who sends a press may send no release, and that is no button that is held.
 void CaptureSession::obey(Command command) {
   switch (command) {
     case Command::press:
-      return button_changed({true, monotonic_now_ns()});
+      return cycle_.handle(Event::press, {Why::ended_by_command, {}});
     case Command::release:
-      return button_changed({false, monotonic_now_ns()});
+      return cycle_.handle(Event::release, {Why::ended_by_command, {}});
+    case Command::stop:
+      return cycle_.handle(Event::stop, {Why::ended_by_command, {}});
     case Command::cancel:
       return cycle_.handle(Event::cancel, {Why::cancelled_by_command, {}});
     case Command::retry:

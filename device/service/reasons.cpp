@@ -12,7 +12,9 @@ namespace {
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 // The person ended it, or a limit: no fault to name.
-bool ended_in_order(const Reason& end) { return end.why == Why::ended_by_button || end.why == Why::sweep_complete; }
+bool ended_in_order(const Reason& end) {
+  return end.why == Why::ended_by_button || end.why == Why::ended_by_command || end.why == Why::sweep_complete;
+}
 
 std::string why_so_few(const ShortSweep& sweep) {
   if (!sweep.storage_problem.empty()) return sweep.storage_problem;
@@ -32,6 +34,8 @@ std::string text_of(const Reason& reason) {
       return {};
     case Why::ended_by_button:
       return "the sweep was ended by the button";
+    case Why::ended_by_command:
+      return "the sweep was ended by command";
     case Why::sweep_complete:
       return "the sweep is complete";
     case Why::camera_silent:

@@ -12,6 +12,7 @@ enum class Why : uint8_t {
   none,
   // a sweep ends
   ended_by_button,
+  ended_by_command,
   sweep_complete,  // all the way round, or a limit was reached
   camera_lost,     // detail: what its back-end said
   camera_silent,

@@ -29,6 +29,7 @@ Transition when_capturing(Event event, ButtonMode mode) {
       return kAbandon;
     case Event::sweep_refused:
       return {Phase::failed, Action::none};
+    case Event::stop:
     case Event::sweep_full:
     case Event::camera_lost:
     case Event::storage_failed:
@@ -101,6 +102,8 @@ const char* name_of(Event event) {
       return "release";
     case Event::long_press:
       return "long press";
+    case Event::stop:
+      return "stop";
     case Event::cancel:
       return "cancel";
     case Event::sweep_refused:

@@ -16,8 +16,9 @@ enum class ButtonMode : uint8_t { toggle, hold };
 enum class Event : uint8_t {
   press,
   release,
-  long_press,     // held for three seconds by now
-  cancel,         // asked for over the status channel
+  long_press,  // held for three seconds by now
+  stop,        // the sweep is to end; asked for over the status channel, as is the next
+  cancel,
   sweep_refused,  // the sweep could not begin: no camera, no room
   sweep_full,     // all the way round, or as many frames or seconds as allowed
   camera_lost,
@@ -29,9 +30,9 @@ enum class Event : uint8_t {
   shutdown,
 };
 inline constexpr std::array kEvents = {
-    Event::press,        Event::release,     Event::long_press,     Event::cancel,        Event::sweep_refused,
-    Event::sweep_full,   Event::camera_lost, Event::storage_failed, Event::build_pending, Event::build_done,
-    Event::build_failed, Event::rest,        Event::shutdown};
+    Event::press,         Event::release,      Event::long_press,  Event::stop,           Event::cancel,
+    Event::sweep_refused, Event::sweep_full,   Event::camera_lost, Event::storage_failed, Event::build_pending,
+    Event::build_done,    Event::build_failed, Event::rest,        Event::shutdown};
 const char* name_of(Event event);
 
 enum class Action : uint8_t {

@@ -27,6 +27,8 @@ const char* name_of(Advice advice) {
 const char* name_of(Judgement judgement) {
   return word_of(std::array{"not judged", "good", "fair", "sweep again"}, judgement);
 }
-const char* name_of(Command command) { return word_of(std::array{"press", "release", "cancel", "retry"}, command); }
+const char* name_of(Command command) {
+  return word_of(std::array{"press", "release", "cancel", "retry", "stop"}, command);
+}
 
 }  // namespace ldp

@@ -7,6 +7,7 @@
 // Publishing never blocks and never throws: status is told as well as possible, and the capture goes on without.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -61,7 +62,10 @@ struct Result {
   std::string reasons;               // for people, one a line; empty when nothing is wrong
 };
 
-enum class Command : uint8_t { press, release, cancel, retry };
+// `press` and `release` do what the button does, held for no time; `stop` ends the sweep whatever its mode.
+enum class Command : uint8_t { press, release, cancel, retry, stop };
+inline constexpr std::array kCommands = {Command::press, Command::release, Command::cancel, Command::retry,
+                                         Command::stop};
 const char* name_of(Command command);
 
 using StatusMessage = std::variant<Status, Progress, Guidance, Result>;

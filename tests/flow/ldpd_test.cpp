@@ -904,6 +904,46 @@ TEST_F(LdpdTest, AHundredThousandRandomDatagramsOnEveryChannelChangeNothingButAC
   EXPECT_GE(watcher->ignored(), 40'000);
 }
 
+// Who sends a press sends no release: the gallery's Start, `ldp watch --send press`.
+TEST_F(LdpdTest, ASweepIsBegunAndEndedByCommandInEitherMode) {
+  const std::string url = "lcm:" + private_network();
+  script("wait 1");
+  for (const char* const mode : {"hold", "toggle"}) {
+    fs::remove_all(room_ / "out");
+    configure("mode = \"" + std::string(mode) + "\"\nmin_frames = 3\n");
+    Process service(command({"--status", url, "--status", "console:"}, "&hold=yes"), room_ / mode);
+    ASSERT_TRUE(service.says("ready")) << text_of(room_ / mode);
+    const auto person = open_status_listener(url);
+    person->send(Command::press);
+    if (!service.says("capturing", 5)) GTEST_SKIP() << "multicast does not come back here";
+    ASSERT_TRUE(service.says("stored: 4")) << text_of(room_ / mode);
+    person->send(Command::stop);
+    EXPECT_TRUE(service.says("sweep_000001.ldp is ready")) << text_of(room_ / mode);
+    EXPECT_THAT(text_of(capture() / "capture.json"), HasSubstr("ended by command"));
+    EXPECT_EQ(service.stop(SIGTERM).status, 0);
+  }
+}
+
+TEST_F(LdpdTest, APressByCommandIsNoButtonThatIsHeld) {
+  const std::string url = "lcm:" + private_network();
+  fs::remove_all(room_ / "frames");
+  make_frames(1, 200, 150);
+  script("wait 1");
+  for (const char* const mode : {"hold", "toggle"}) {
+    configure_switch_off(mode);
+    Process service(command({"--status", url, "--status", "console:"}, "&hold=yes"), room_ / mode);
+    ASSERT_TRUE(service.says("ready")) << text_of(room_ / mode);
+    const auto person = open_status_listener(url);
+    person->send(Command::press);
+    if (!service.says("capturing", 5)) GTEST_SKIP() << "multicast does not come back here";
+    ASSERT_FALSE(service.ends_within(5)) << text_of(room_ / mode);
+    EXPECT_THAT(text_of(room_ / mode), Not(HasSubstr("cancelled")));
+    person->send(Command::stop);
+    EXPECT_TRUE(service.says("the sweep was ended by command")) << text_of(room_ / mode);
+    EXPECT_EQ(service.stop(SIGTERM).status, 0);
+  }
+}
+
 TEST_F(LdpdTest, LdpCaptureWritesACaptureFolderAndNothingElse) {
   const std::vector<std::string> words{LDP_DEVICE_PROGRAM,
                                        "capture",

@@ -239,10 +239,11 @@ TEST_F(GalleryTest, OnlyTheTokenChangesAnything) {
   EXPECT_TRUE(heard.empty());
   const std::map<std::string, std::string> right{{"Authorization", "Bearer " + token}};
   EXPECT_EQ(ask(open, "/device/press", "POST", right).status, 204);
+  EXPECT_EQ(ask(open, "/device/stop", "POST", right).status, 204);
   EXPECT_EQ(ask(open, "/device/cancel", "POST", right).status, 204);
   EXPECT_EQ(ask(open, "/device/explode", "POST", right).status, 404);
   EXPECT_EQ(ask(open, "/device/press", "GET", right).status, 404);
-  EXPECT_THAT(heard, testing::ElementsAre(Command::press, Command::cancel));
+  EXPECT_THAT(heard, testing::ElementsAre(Command::press, Command::stop, Command::cancel));
   EXPECT_EQ(ask(open, "/panoramas/new.ldp", "DELETE", right).status, 204);
   EXPECT_THAT(folder.panoramas(), UnorderedElementsAre("old.ldp"));
   EXPECT_THROW(Gallery(folder, feed, {"short", {}}, {}), std::invalid_argument);

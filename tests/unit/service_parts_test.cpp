@@ -81,11 +81,14 @@ TEST(Reasons, NumbersHaveTheirUnits) {
 TEST(Reasons, AShortSweepNamesWhatMadeItShortAndWhatToDo) {
   ShortSweep sweep;
   sweep.frames = 2, sweep.frames_needed = 4, sweep.seconds = 1.5, sweep.covered_rad = 0.5;
-  sweep.end = {Why::ended_by_button, {}};
-  EXPECT_EQ(too_few_frames(sweep).why, Why::too_few_frames);
-  EXPECT_EQ(text_of(too_few_frames(sweep)),
-            "only 2 frames, at least 4 are needed: the sweep lasted 1.5 s and turned by 29 degrees: press, turn slowly "
-            "through at least a quarter circle, press again");
+  for (const Why person : {Why::ended_by_button, Why::ended_by_command}) {
+    sweep.end = {person, {}};
+    EXPECT_EQ(too_few_frames(sweep).why, Why::too_few_frames);
+    EXPECT_EQ(
+        text_of(too_few_frames(sweep)),
+        "only 2 frames, at least 4 are needed: the sweep lasted 1.5 s and turned by 29 degrees: press, turn slowly "
+        "through at least a quarter circle, press again");
+  }
   sweep.mode = ButtonMode::hold;
   sweep.end = {Why::sweep_complete, {}};
   EXPECT_THAT(text_of(too_few_frames(sweep)),

@@ -26,6 +26,7 @@ Table hold_table() {
       {E::press, {begin, capturing, {P::building, A::say_busy}, begin, begin}},
       {E::release, {idle, end, building, done, failed}},
       {E::long_press, {idle, capturing, building, done, failed}},
+      {E::stop, {idle, end, building, done, failed}},
       {E::cancel, {idle, {P::idle, A::abandon_sweep}, {P::idle, A::cancel_build}, idle, idle}},
       {E::sweep_refused, {idle, failed, building, done, failed}},
       {E::sweep_full, {idle, end, building, done, failed}},

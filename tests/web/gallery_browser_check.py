@@ -90,7 +90,7 @@ class GalleryCheck(unittest.TestCase):
             self.assertRegex(self.page.run(TEXT % "figures"), r"\d+° · \d+ photographs")
             self.assertEqual(self.page.run(BROKEN_PICTURES), [])
             self.keep("sweep")
-            self.press("release")
+            self.press("stop")
             self.page.wait_until((TEXT % "phase") + ".startsWith('Making')", SWEEP_S)
             self.page.wait_until("return document.querySelectorAll('.card').length === 3", SWEEP_S)
             self.assertIn("sweep_000001", self.page.run("return document.querySelector('.card').innerText"), "the newest is first")

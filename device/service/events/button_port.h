@@ -30,7 +30,7 @@ class ButtonPort {
   int fd() const { return button_ ? button_->fd() : -1; }
   std::optional<ButtonEvent> read() { return button_->read(); }  // throws std::runtime_error when it is lost
 
-  // A press that lasts, of the button or by command.
+  // A press that lasts.
   void note(const ButtonEvent& event);
   std::optional<int64_t> next_hold_at_ns() const;  // when the present one will come to something more
   std::optional<Hold> take_hold(int64_t now_ns);   // to what it has; each once

@@ -69,10 +69,10 @@ void print(const HeardMessage& heard, bool as_json) {
 }
 
 Command command_from(const std::string& word) {
-  for (const Command command : {Command::press, Command::release, Command::cancel, Command::retry}) {
+  for (const Command command : kCommands) {
     if (word == name_of(command)) return command;
   }
-  throw BadInput("--send " + word + ": is not press, release, cancel or retry");
+  throw BadInput("--send " + word + ": is not press, release, stop, cancel or retry");
 }
 
 // Sleeps until something comes in or the program is to end; false at the end.
@@ -116,7 +116,7 @@ void add_watch(Program& program) {
   CLI::App& app = add_command(program, "watch", "Show what a device tells over LCM, or send it a command",
                               [command](const Session& session) { return run_watch(*command, session); });
   app.add_option("--status", command->url, "LCM address, or a log as lcm:file://LOG?speed=0")->capture_default_str();
-  app.add_option("--send", command->send, "press, release, cancel or retry");
+  app.add_option("--send", command->send, "press, release, stop (ends the sweep), cancel or retry");
   app.add_option("--count", command->count, "End after so many messages; 0 = never")->check(CLI::Range(0, 1000000000));
 }
 
