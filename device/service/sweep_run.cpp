@@ -69,11 +69,16 @@ void SweepRun::take(CameraFrame frame) {
   OfferedFrame offered{thumbnail(frame), 0, frame.time_ns, frame.exposure_s};
   if (!settled(frame, mean_brightness(offered.thumbnail))) return;
   offered.sharpness = sharpness(frame);
-  if (chosen() == 0) {
+  if (first_thumbnail_.empty()) {
+    first_thumbnail_ = offered.thumbnail;
     record_.width = frame.width;
     record_.height = frame.height;
   }
-  if (frame.width != record_.width || frame.height != record_.height) throw std::runtime_error("its size is another");
+  // A JPEG whose header was damaged says one size and is of another.
+  if (frame.width != record_.width || frame.height != record_.height ||
+      offered.thumbnail.width != first_thumbnail_.width || offered.thumbnail.height != first_thumbnail_.height) {
+    throw std::runtime_error("its size is another");
+  }
   const Verdict verdict = chooser_.offer(offered);
   if (verdict.store_held && held_) store(*held_);
   if (verdict.store_held || verdict.store_this) held_.reset();

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "core/base/plane.h"
 #include "device/capture/capture_store.h"
 #include "device/capture/frame_selection.h"
 #include "device/capture/frame_writer.h"
@@ -67,6 +68,7 @@ class SweepRun {
   FrameWriter& writer_;
   FrameChooser chooser_;
   CaptureRecord record_;
+  GreyImage first_thumbnail_;  // whose size all others must have
   std::optional<CameraFrame> held_;
   double settle_s_ = 0;
   bool settled_ = false;
