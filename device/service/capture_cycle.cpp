@@ -232,8 +232,9 @@ void CaptureCycle::tell_failure(const Reason& reason) {
   handle(Event::build_failed, reason);
 }
 
+// A sweep that was cancelled may still be written: it is neither to be built, nor are its temporary files left over.
 bool CaptureCycle::retry_failed() {
-  if (run_ != Run::service || builds_.runs() || is_taking() || is_storing()) return false;
+  if (run_ != Run::service || builds_.runs() || is_taking() || is_storing() || writer_.pending() > 0) return false;
   builds_.add_failed();
   return true;
 }

@@ -278,11 +278,21 @@ inline bool is_gone(pid_t process) {
   return false;
 }
 
+template <typename Holds>
+bool becomes_true(Holds holds) {
+  for (int i = 0; i < 1000 && !holds(); ++i) std::this_thread::sleep_for(milliseconds(5));
+  return holds();
+}
+
 // The service removes what was cancelled beside its other work.
 inline bool becomes_empty(const fs::path& folder) {
-  for (int i = 0; i < 1000 && fs::exists(folder) && !fs::is_empty(folder); ++i)
-    std::this_thread::sleep_for(milliseconds(5));
-  return !fs::exists(folder) || fs::is_empty(folder);
+  return becomes_true([&] { return !fs::exists(folder) || fs::is_empty(folder); });
+}
+
+inline bool has_temporary(const fs::path& folder) {
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == ".tmp") return true;
+  return false;
 }
 
 inline int kills() {

@@ -6,8 +6,11 @@
 #include <sys/un.h>
 
 #include "core/base/files.h"
+#include "device/backends/open.h"
 #include "device/service/builds/build_child.h"
+#include "drivers/interface/status.h"
 #include "tests/flow/ldpd.h"
+#include "tests/private_network.h"
 
 namespace ldp {
 namespace {
@@ -248,6 +251,34 @@ TEST_F(LdpdTest, ADiskThatHangsKeepsNoCancelledSweepFromEndingNorTheNextFromBegi
   EXPECT_TRUE(service.says("sweep_000002.ldp is ready", 30)) << text_of(room_ / "said");
   EXPECT_FALSE(fs::exists(capture(1)));
   EXPECT_EQ(service.stop(SIGTERM).status, 0);
+}
+
+// Three frames are there and the fourth is being written.
+TEST_F(LdpdTest, ARetryWhileACancelledSweepIsStillBeingWrittenLeavesThatAlone) {
+  configure("mode = \"toggle\"\nmin_frames = 3\n", "follow = false\n");
+  script("wait 1");
+  const std::string url = "lcm:" + private_network();
+  const fs::path gate = room_ / "gate";
+  Process service(
+      with_faults("fsync .jpg 4+ wait " + gate.string(), command({"--status", "console:", "--status", url})),
+      room_ / "said");
+  ASSERT_TRUE(service.says("ready"));
+  const auto person = open_status_listener(url);
+  person->send(Command::press);
+  if (!service.says("capturing", 5)) GTEST_SKIP() << "multicast does not come back here";
+  ASSERT_TRUE(service.says("stored: 3 frames")) << text_of(room_ / "said");
+  ASSERT_TRUE(becomes_true([&] { return has_temporary(capture()); }));
+  person->send(Command::cancel);
+  ASSERT_TRUE(service.says("the sweep was cancelled"));
+  for (int i = 0; i < 3; ++i) person->send(Command::retry);
+  person->send(Command::press);  // comes after them
+  ASSERT_TRUE(becomes_true([&] { return fs::exists(capture(2)); })) << text_of(room_ / "said");
+  EXPECT_TRUE(has_temporary(capture()));
+  write_file(gate, std::vector<uint8_t>(1));
+  EXPECT_TRUE(becomes_true([&] { return !fs::exists(capture()); }));
+  const std::string said = service.stop(SIGTERM).said;
+  EXPECT_THAT(said, Not(HasSubstr("cannot store")));
+  EXPECT_THAT(said, Not(HasSubstr("building sweep_000001")));
 }
 
 TEST_F(LdpdTest, ACancelledSweepWhoseRemovalIsCutOffIsNotBuiltByTheNextStart) {
