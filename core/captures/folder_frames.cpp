@@ -10,12 +10,14 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "core/base/files.h"
+#include "core/captures/field_of_view.h"
 #include "core/captures/json_fields.h"
 #include "core/captures/transforms.h"
 #include "core/photos/resize.h"
@@ -120,6 +122,19 @@ std::optional<double> positive(const nlohmann::json& json, const char* key) {
   return value && *value > 0 ? value : std::nullopt;
 }
 
+// A field of view that no camera of a sweep has is a mistake, not one that is unknown.
+std::optional<double> field_of_view_rad(const nlohmann::json& json, const std::string& file) {
+  const auto degrees = positive(json, "fov_degrees");
+  if (!degrees) return std::nullopt;
+  if (*degrees < kLeastFov_deg || *degrees > kMostFov_deg) {
+    std::ostringstream words;
+    words << file << ": fov_degrees is " << *degrees << ", expected " << kLeastFov_deg << " to " << kMostFov_deg
+          << ": correct it, or remove it to do without";
+    throw std::runtime_error(words.str());
+  }
+  return *degrees * std::numbers::pi / 180;
+}
+
 }  // namespace
 
 bool precedes_naturally(const std::string& a, const std::string& b) {
@@ -220,12 +235,11 @@ CaptureNotes read_capture_notes(const fs::path& folder, const std::string& shown
   if (!fs::exists(file)) return notes;
   const std::vector<uint8_t> bytes = read_file(file);
   const auto json = nlohmann::json::parse(bytes, nullptr, false);
-  if (!json.is_object()) {
-    const std::string words = shown.empty() ? file.string() : shown + ": capture.json";
-    throw std::runtime_error(words + ": is not a JSON object: repair it, or remove it to do without");
-  }
+  const std::string name = shown.empty() ? file.string() : shown + ": capture.json";
+  if (!json.is_object())
+    throw std::runtime_error(name + ": is not a JSON object: repair it, or remove it to do without");
   notes.arm_length = positive(json, "arm_length");
-  if (const auto degrees = positive(json, "fov_degrees")) notes.fov_rad = *degrees * std::numbers::pi / 180;
+  notes.fov_rad = field_of_view_rad(json, name);
   notes.device = text_field(json, "device").value_or("");
   notes.captured_utc = text_field(json, "begin_utc").value_or("");
   return notes;

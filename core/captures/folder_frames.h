@@ -69,7 +69,7 @@ bool precedes_naturally(const std::string& a, const std::string& b);
 // What a build wants to know from capture.json. All absent when there is no such file.
 struct CaptureNotes {
   std::optional<double> arm_length;  // metres
-  std::optional<double> fov_rad;     // horizontal, of photos as they are stored
+  std::optional<double> fov_rad;     // horizontal, of photos as they are stored; within field_of_view.h
   std::string device, captured_utc;
 };
 // Errors name the folder `shown`, where it is not empty.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -20,7 +21,7 @@ FrameChooser::FrameChooser(const ChooserOptions& options)
     : options_(options), blur_limit_(kMaxBlur / kUsualExposure_s) {
   check(options.overlap >= 0.3 && options.overlap <= 0.95, "overlap must be within 0.3 .. 0.95");
   check(options.max_frames >= 3 && options.max_frames <= 1000, "max_frames must be within 3 .. 1000");
-  check(options.fov_rad > 0.1 && options.fov_rad < 3, "fov_rad must be within 0.1 .. 3");
+  check(options.fov_rad > 0 && options.fov_rad < std::numbers::pi, "fov_rad must be within 0 .. pi");
 }
 
 Verdict FrameChooser::offer(const OfferedFrame& frame) {

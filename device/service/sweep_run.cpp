@@ -21,7 +21,7 @@ ChooserOptions chooser_options(const Config& config) {
   ChooserOptions options;
   options.overlap = config.overlap;
   options.max_frames = config.max_frames;
-  options.fov_rad = config.fov_degrees > 6 ? config.fov_degrees * kRadians : kUsualFov_rad;
+  options.fov_rad = config.fov_degrees > 0 ? config.fov_degrees * kRadians : kUsualFov_rad;
   return options;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/captures/colmap_model.h"
+#include "core/captures/field_of_view.h"
 #include "device/tool/memory_size.h"
 #include "device/tool/number_within.h"
 #include "device/tool/output.h"
@@ -74,7 +75,7 @@ void add_capture_options(CLI::App& command, BuildSetup& setup) {
   command.add_option("--cameras", setup.cameras,
                      "Known cameras (transforms.json, or the folder of a COLMAP model); without they are estimated");
   command.add_option("--fov", setup.fov_deg, "Horizontal field of view of the photos, degrees, as a start")
-      ->check(number_within(5.0, 150.0));
+      ->check(number_within(kLeastFov_deg, kMostFov_deg));
   command.add_option("--arm-length", setup.arm_length, "Length of the arm, metres: sets the scale of estimated poses")
       ->check(number_within(0.05, 100.0));
   command.add_option("--megapixels", setup.megapixels, "Larger photos are scaled down to this size")

@@ -69,6 +69,8 @@ TEST_F(GivenCameras, PhotosOnTheirSideAreToldOfAndTurned) {
 
 TEST_F(GivenCameras, TheFieldOfViewThatACaptureTellsIsOfPhotosAsTheyAreStored) {
   const std::string from = capture(), notes = from + "/capture.json", report = path("report.json");
+  std::ofstream(notes) << R"({"fov_degrees": 200})";
+  expect_refusal({"poses", from}, 2, "capture.json: fov_degrees is 200, expected 5 to 150");
   std::ofstream(notes) << R"({"fov_degrees": 40})";
   const auto fov_degrees = [&](const std::string& turn) {
     ldp({"build", from, "-o", path("a.ldp"), "--layers", "1", "--labels", "2", "--turn", turn, "--report", report});

@@ -976,6 +976,27 @@ TEST_F(LdpdTest, LdpCaptureTakesNoFileForAFolderAndNoNameForOne) {
   EXPECT_EQ(text_of(room_ / "file"), "kept");
 }
 
+TEST_F(LdpdTest, LdpCaptureTakesAFieldOfViewThatABuildTakes) {
+  std::vector<std::string> words{LDP_DEVICE_PROGRAM,
+                                 "capture",
+                                 "--camera",
+                                 "folder:" + (room_ / "frames").string() + "?fps=60",
+                                 "--button",
+                                 "script:" + (room_ / "script").string(),
+                                 "-o",
+                                 (room_ / "cap").string(),
+                                 "--fov",
+                                 "160"};
+  const Finished wide = Process(words, room_ / "wide").wait();
+  EXPECT_EQ(wide.status, 2);
+  EXPECT_THAT(wide.said, HasSubstr("--fov: Value 160 not in range 5.000000 to 150.000000 and is not 0"));
+  for (const char* const good : {"0", "5"}) {
+    words.back() = good;
+    EXPECT_EQ(Process(words, room_ / "said").wait().status, 0) << text_of(room_ / "said");
+    fs::remove_all(room_ / "cap");
+  }
+}
+
 TEST_F(LdpdTest, LdpCaptureLeavesNothingWhereNoFrameWasKept) {
   const std::string frames = "folder:" + (room_ / "frames").string() + "?fps=60",
                     button = "script:" + (room_ / "script").string();

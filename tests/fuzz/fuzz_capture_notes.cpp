@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {
     const ldp::CaptureNotes notes = ldp::read_capture_notes(folder.path());
     if (notes.arm_length && !(*notes.arm_length > 0)) std::abort();
-    if (notes.fov_rad && !(*notes.fov_rad > 0)) std::abort();
+    if (notes.fov_rad && !(*notes.fov_rad > 0 && *notes.fov_rad < 3)) std::abort();
   } catch (const std::runtime_error&) {
   }
   return 0;

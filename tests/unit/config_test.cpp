@@ -132,6 +132,16 @@ TEST(Config, AMemoryLimitLeavesTheBuildEnoughToStart) {
   }
 }
 
+TEST(Config, AFieldOfViewIsOneThatABuildTakesOrUnknown) {
+  for (const char* const good : {"0", "5", "62.2", "150"})
+    EXPECT_TRUE(parse_config(std::string("[sweep]\nfov_degrees = ") + good).mistakes.empty()) << good;
+  for (const char* const bad : {"3", "4.9", "151", "170", "-1"}) {
+    const CheckedConfig checked = parse_config(std::string("[sweep]\nfov_degrees = ") + bad);
+    ASSERT_EQ(checked.mistakes.size(), 1U) << bad;
+    EXPECT_EQ(checked.mistakes[0].text, "sweep.fov_degrees: expected 0 or a number from 5 to 150");
+  }
+}
+
 TEST(Config, AMissingFolderOrScriptIsNamedWithItsLineWhereItMustExist) {
   const std::string missing = "output = '/tmp'\ncamera='folder:/nowhere?fps=5'\nbutton='script:/nowhere/turn'\n";
   EXPECT_TRUE(parse_config(missing).mistakes.empty()) << "a service waits for them";

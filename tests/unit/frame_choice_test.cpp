@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
+#include "core/captures/field_of_view.h"
 #include "core/photos/images.h"
 #include "device/capture/frame_pixels.h"
 #include "device/capture/frame_selection.h"
@@ -79,6 +81,14 @@ Kept sweep_over(int frames, double fps, Position position, Sharpness sharpness, 
 }
 
 constexpr auto kAllSharp = [](int) { return 1.0; };
+
+TEST(FrameChoice, EveryFieldOfViewThatCanBeToldIsTaken) {
+  for (const double degrees : {kLeastFov_deg, kMostFov_deg}) {
+    ChooserOptions options;
+    options.fov_rad = degrees * std::numbers::pi / 180;
+    EXPECT_NO_THROW(FrameChooser{options}) << degrees;
+  }
+}
 
 TEST(Motion, AShiftOfTheWindowIsFoundToAFractionOfAPixel) {
   const GreyImage world = landscape(600, 120, 3);

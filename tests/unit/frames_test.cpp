@@ -164,8 +164,27 @@ TEST_F(FolderFramesTest, ReadsWhatTheCaptureSays) {
   EXPECT_EQ(notes.arm_length, 0.7);
   EXPECT_EQ(notes.device, "board");
   EXPECT_NEAR(*notes.fov_rad, 1.0472, 1e-4);
+  text("capture.json", R"({"fov_degrees": 0})");
+  EXPECT_FALSE(read_capture_notes(folder_).fov_rad) << "it is unknown";
   text("capture.json", "{\"arm_length\":");
   EXPECT_THROW(read_capture_notes(folder_), std::runtime_error);
+}
+
+TEST_F(FolderFramesTest, AFieldOfViewThatNoCameraHasIsRefusedByItsFileAndName) {
+  for (const char* const degrees : {"5", "150"}) {
+    text("capture.json", std::string("{\"fov_degrees\": ") + degrees + "}");
+    EXPECT_TRUE(read_capture_notes(folder_).fov_rad) << degrees;
+  }
+  for (const char* const degrees : {"200", "0.5", "4.5", "151"}) {
+    text("capture.json", std::string("{\"fov_degrees\": ") + degrees + "}");
+    try {
+      read_capture_notes(folder_, "a.zip");
+      ADD_FAILURE() << degrees;
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(error.what(), std::string("a.zip: capture.json: fov_degrees is ") + degrees +
+                                  ", expected 5 to 150: correct it, or remove it to do without");
+    }
+  }
 }
 
 TEST(NaturalOrder, ComparesNumbersByValueAndTheRestByLetters) {

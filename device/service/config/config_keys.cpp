@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/captures/field_of_view.h"
 #include "device/backends/open.h"
 #include "device/service/config/config_checks.h"
 #include "drivers/interface/url.h"
@@ -132,7 +133,7 @@ const std::vector<ConfigKey>& all_config_keys() {
       number_key("sweep.min_frames", "a sweep with fewer is not built", &Config::min_frames, {3, 1000}),
       number_key("sweep.arm_length_m", "from the axis of the turn to the camera", &Config::arm_length_m, {0.05, 10}),
       number_key("sweep.fov_degrees", "horizontal field of view; 0 = unknown, it is then estimated",
-                 &Config::fov_degrees, {0, 170}),
+                 &Config::fov_degrees, {kLeastFov_deg, kMostFov_deg}, true),
       number_key("sweep.lost_after_seconds", "without a frame the camera counts as lost", &Config::lost_after_seconds,
                  {0.2, 60}),
       number_key("sweep.reserve_mib", "of the disk that are never filled", &Config::reserve_mib, {0, 1e6}),

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/captures/field_of_view.h"
 #include "device/service/capture_session.h"
 #include "device/tool/commands.h"
 #include "device/tool/number_within.h"
@@ -121,7 +122,7 @@ void add_capture(Program& program) {
       ->check(number_within(1.0, 3600.0))
       ->capture_default_str();
   app.add_option("--fov", config.fov_degrees, "Horizontal field of view, degrees; 0 = unknown")
-      ->check(number_within(0.0, 170.0))
+      ->check(zero_or_within(kLeastFov_deg, kMostFov_deg))
       ->capture_default_str();
 }
 
