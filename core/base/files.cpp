@@ -16,6 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr mode_t kAsUmaskSays = 0666, kOwnerAlone = 0600;
+
 [[noreturn]] void fail(const std::string& attempted, const fs::path& file) {
   throw std::system_error(errno, std::generic_category(), attempted + " " + file.string());
 }
@@ -84,6 +86,10 @@ fs::path beside(const fs::path& target) {
   return target.parent_path() / name.append(".").append(std::to_string(number)).append(".tmp");
 }
 
+std::span<const uint8_t> bytes_of(std::string_view text) {
+  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
+
 }  // namespace
 
 bool flush_folder(const fs::path& folder) {
@@ -125,8 +131,12 @@ void write_file(const fs::path& file, std::span<const uint8_t> bytes) {
   partial.finish();
 }
 
-void write_file(const fs::path& file, std::string_view text) {
-  write_file(file, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+void write_file(const fs::path& file, std::string_view text) { write_file(file, bytes_of(text)); }
+
+void write_secret_file(const fs::path& file, std::string_view text) {
+  PartialFile partial(file);
+  partial.write(bytes_of(text), true);
+  partial.finish();
 }
 
 void move_file(const fs::path& from, const fs::path& to) {
@@ -147,8 +157,8 @@ PartialFile::~PartialFile() {
   if (begun_) ::unlink(path_.c_str());
 }
 
-void PartialFile::write(std::span<const uint8_t> bytes) {
-  Descriptor descriptor(open_file(path_, O_WRONLY | O_CREAT | O_EXCL, 0666));
+void PartialFile::write(std::span<const uint8_t> bytes, bool secret) {
+  const Descriptor descriptor(open_file(path_, O_WRONLY | O_CREAT | O_EXCL, secret ? kOwnerAlone : kAsUmaskSays));
   if (!descriptor.valid()) fail("cannot write", target_);
   begun_ = true;
   write_all(descriptor, bytes, target_);

@@ -20,6 +20,9 @@ std::vector<uint8_t> read_file(const std::filesystem::path& file);  // pipes and
 void write_file(const std::filesystem::path& file, std::span<const uint8_t> bytes);
 void write_file(const std::filesystem::path& file, std::string_view text);
 
+// The same of a file that only its owner may read, nor anybody else at any moment before.
+void write_secret_file(const std::filesystem::path& file, std::string_view text);
+
 // A file that another program has written takes its final name for good; both in one file system. What is at `to` is
 // replaced.
 void move_file(const std::filesystem::path& from, const std::filesystem::path& to);
@@ -35,8 +38,9 @@ class PartialFile {
   PartialFile(const PartialFile&) = delete;
   PartialFile& operator=(const PartialFile&) = delete;
   const std::filesystem::path& path() const { return path_; }  // the temporary one
-  void write(std::span<const uint8_t> bytes);                  // all of it, once, and flushes it
-  void finish();                                               // gives it its name for good
+  // All of it, once, and flushes it. `secret`: for its owner alone.
+  void write(std::span<const uint8_t> bytes, bool secret = false);
+  void finish();  // gives it its name for good
 
  private:
   std::filesystem::path target_, path_;

@@ -46,17 +46,13 @@ ldp::CheckedCard read_card(const fs::path& file) {
 }
 
 void write_files(const ldp::CardSettings& settings, const fs::path& folder) {
-  constexpr auto kOthers = fs::perms::group_all | fs::perms::others_all;
   for (const ldp::CardFile& file : ldp::card_files(settings)) {
     const fs::path path = folder / file.path;
     fs::create_directories(path.parent_path());
-    if (file.secret) {  // never readable, not even while it is written
-      std::ofstream(path).flush();
-      fs::permissions(path, kOthers, fs::perm_options::remove);
-      std::ofstream(path) << file.text;
-    } else {
+    if (file.secret)
+      ldp::write_secret_file(path, file.text);
+    else
       ldp::write_file(path, file.text);
-    }
   }
 }
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Mistakes of a card have status 78 on a full disk too, a report that alone cannot be written has 1.
+# Mistakes of a card have status 78 on a full disk too, a report that alone cannot be written has 1; so has a secret.
 #   card_check.sh LDP_CARD
 room=$(mktemp -d)
 trap 'rm -rf "$room"' EXIT
@@ -14,3 +14,17 @@ expect() {  # status, file
 card=$1
 expect 78 wrong.toml
 expect 1 right.toml
+
+cat >"$room/radio.toml" <<END
+[network]
+kind = 'wifi'
+ssid = 'home'
+password = 'not for everybody'
+country = 'DE'
+END
+secret="$room/out/wpa_supplicant.conf"
+"$card" "$room/radio.toml" -o "$room/out" || exit 1
+[ "$(stat -c %a "$secret")" = 600 ] || { ls -l "$secret"; exit 1; }
+rm "$secret" && mkdir "$secret"
+if "$card" "$room/radio.toml" -o "$room/out" 2>"$room/said"; then echo 'a secret that was not written is no fault'; exit 1; fi
+grep -q "ldp-card: cannot write $secret" "$room/said" || { cat "$room/said"; exit 1; }

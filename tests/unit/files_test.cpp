@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -70,6 +71,21 @@ TEST_F(Files, MissingOnesAreNamed) {
 TEST_F(Files, TextIsWrittenAsItIs) {
   write_file(folder_ / "a", "two\nlines");
   EXPECT_EQ(read_file(folder_ / "a"), (std::vector<uint8_t>{'t', 'w', 'o', '\n', 'l', 'i', 'n', 'e', 's'}));
+}
+
+TEST_F(Files, ASecretOneIsForItsOwnerAloneWhateverWasThere) {
+  const fs::path file = folder_ / "secret";
+  const mode_t before = ::umask(0);
+  write_file(file, "open to all");
+  write_secret_file(file, "a password");
+  ::umask(before);
+  EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  const auto bytes = read_file(file);
+  EXPECT_EQ(std::string(bytes.begin(), bytes.end()), "a password");
+  EXPECT_EQ(files(), 1U);
+  fs::create_directory(folder_ / "taken");
+  EXPECT_THAT(message_of([&] { write_secret_file(folder_ / "taken", "a password"); }), HasSubstr("cannot write"));
+  EXPECT_EQ(files(), 2U);
 }
 
 TEST_F(Files, AMovedFileTakesThePlaceOfAnother) {
