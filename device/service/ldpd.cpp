@@ -33,7 +33,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", "ldpd " LDP_VERSION);
   app.footer(
       "Exit status: 0 stopped or done, 1 no panorama was made or the service failed, 2 unusable arguments, 10 the "
-      "button was held to switch off, 78 bad configuration.");
+      "button was held to switch off, 75 what --print-config tells could not be written, 78 bad configuration.");
   app.add_option("--config", arguments.config_file,
                  std::string("configuration file; default ") + kDefaultConfig + " where it exists");
   app.add_option("--camera", arguments.camera, "libcamera:0, v4l2:/dev/video0, folder:DIR?fps=30, scene:NAME?fps=30");

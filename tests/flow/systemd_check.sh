@@ -28,6 +28,21 @@ expect "restarts on bad configuration" "$(value NRestarts)" 0
 expect "state" "$(value ActiveState)" failed
 systemctl reset-failed ldpd.service
 
+# A button that is held where no sweep is: switched off, and not once more.
+cat >"$room/ldpd.toml" <<END
+camera = 'folder:/nowhere'
+button = 'script:$room/script'
+output = '/var/lib/ldpd'
+switch_off_seconds = 4
+END
+echo 'press wait 300000 release' >"$room/script"
+systemctl start ldpd.service
+wait_for '[ "$(value ExecMainStatus)" = 10 ]'
+sleep 3
+expect "restarts after it was switched off" "$(value NRestarts)" 0
+expect "state" "$(value ActiveState)" failed
+systemctl reset-failed ldpd.service
+
 # A sweep in the sandbox, then a kill, then a stop.
 good_configuration 'press wait 300000 release'
 systemctl start ldpd.service
