@@ -4,7 +4,8 @@
 //   console:                                               one line a message on standard error
 //   led:gpiochip0/18   led:name=capture-led                a sign for each state (drivers/led_pattern.h)
 //
-// Publishing never blocks and never throws: status is told as well as possible, and the capture goes on without.
+// Publishing never blocks. It throws where a channel is lost, as a light that is unplugged: who publishes goes on
+// without it, and may open it again.
 #pragma once
 
 #include <array>
@@ -73,7 +74,7 @@ using StatusMessage = std::variant<Status, Progress, Guidance, Result>;
 class StatusChannel {
  public:
   virtual ~StatusChannel() = default;
-  virtual void publish(const StatusMessage& message) = 0;
+  virtual void publish(const StatusMessage& message) = 0;         // throws std::runtime_error when lost
   virtual int fd() const { return -1; }                           // readable when `read` may give something; -1 = never
   virtual std::optional<Command> read() { return std::nullopt; }  // throws std::runtime_error when lost
   virtual int64_t ignored() const { return 0; }                   // malformed or unknown messages so far
