@@ -5,17 +5,13 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "drivers/interface/plain_number.h"
+
 namespace ldp {
 namespace {
 
 [[noreturn]] void refuse(const std::string& text, const std::string& why) {
   throw std::runtime_error("'" + text + "': " + why);
-}
-
-std::string plain(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
 }
 
 }  // namespace
@@ -45,15 +41,15 @@ double Url::number(const std::string& option, double otherwise, NumberRange rang
   const double value = std::strtod(found->second.c_str(), &end);
   const bool whole = !found->second.empty() && *end == '\0' && std::isfinite(value);
   if (!whole || value < range.low || value > range.high) {
-    refuse(text_, option + " is '" + found->second + "', expected a number from " + plain(range.low) + " to " +
-                      plain(range.high));
+    refuse(text_, option + " is '" + found->second + "', expected a number from " + plain_number(range.low) + " to " +
+                      plain_number(range.high));
   }
   return value;
 }
 
 int Url::integer(const std::string& option, int otherwise, NumberRange range) const {
   const double value = number(option, otherwise, range);
-  if (value != std::floor(value)) refuse(text_, option + " is " + plain(value) + ", expected a whole number");
+  if (value != std::floor(value)) refuse(text_, option + " is " + plain_number(value) + ", expected a whole number");
   return static_cast<int>(value);
 }
 

@@ -27,6 +27,34 @@ TEST(Config, WhatIsPrintedReadsBackTheSame) {
   EXPECT_FALSE(checked.config.follow);
 }
 
+TEST(Config, BothEndsOfEveryRangeReadBackTheSame) {
+  const std::pair<const char*, std::vector<const char*>> ends[] = {{"switch_off_seconds", {"0", "4", "60"}},
+                                                                   {"sweep.overlap", {"0.3", "0.95", "0.7654321"}},
+                                                                   {"sweep.max_frames", {"4", "1000"}},
+                                                                   {"sweep.max_seconds", {"1", "3600", "1234.567"}},
+                                                                   {"sweep.min_frames", {"3", "80"}},
+                                                                   {"sweep.arm_length_m", {"0.05", "10"}},
+                                                                   {"sweep.fov_degrees", {"0", "5", "150"}},
+                                                                   {"sweep.lost_after_seconds", {"0.2", "60"}},
+                                                                   {"sweep.reserve_mib", {"0", "1000000"}},
+                                                                   {"build.threads", {"0", "256"}},
+                                                                   {"build.memory_limit_mib", {"0", "64", "1000000"}},
+                                                                   {"build.niceness", {"0", "19"}}};
+  for (const auto& [key, values] : ends) {
+    for (const char* const value : values) {
+      const CheckedConfig first = parse_config(std::string(key) + " = " + value);
+      EXPECT_TRUE(first.mistakes.empty()) << key << " " << value;
+      const std::string text = config_text(first.config);
+      const std::string name = std::string(key).substr(std::string(key).find('.') + 1);
+      EXPECT_THAT(text, HasSubstr("\n" + name + " = " + value + "\n"));
+      const CheckedConfig again = parse_config(text);
+      EXPECT_TRUE(again.mistakes.empty()) << key << " " << value;
+      EXPECT_EQ(config_text(again.config), text);
+    }
+  }
+  EXPECT_THAT(parse_config("sweep.reserve_mib = -1").mistakes.at(0).text, testing::EndsWith("from 0 to 1000000"));
+}
+
 TEST(Config, TheFileThatIsInstalledSaysWhatHoldsWithoutIt) {
   std::ostringstream installed;
   installed << std::ifstream(LDP_TEST_DATA "/../device/systemd/ldpd.toml").rdbuf();

@@ -8,16 +8,11 @@
 #include "core/captures/field_of_view.h"
 #include "device/backends/open.h"
 #include "device/service/config/config_checks.h"
+#include "drivers/interface/plain_number.h"
 #include "drivers/interface/url.h"
 
 namespace ldp {
 namespace {
-
-std::string plain(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
-}
 
 std::string quoted(const std::string& text) {
   std::ostringstream out;
@@ -71,12 +66,12 @@ ConfigKey number_key(std::string name, std::string comment, Number Config::*fiel
             const bool is_within = value && std::isfinite(*value) && *value >= range.low && *value <= range.high;
             if (!is_within && !(or_zero && value == 0.0)) {
               return complain(node, std::string("expected ") + (or_zero ? "0 or " : "") + "a " +
-                                        (kWhole ? "whole " : "") + "number from " + plain(range.low) + " to " +
-                                        plain(range.high));
+                                        (kWhole ? "whole " : "") + "number from " + plain_number(range.low) + " to " +
+                                        plain_number(range.high));
             }
             config.*field = static_cast<Number>(*value);
           },
-          [=](const Config& config) { return plain(static_cast<double>(config.*field)); }};
+          [=](const Config& config) { return plain_number(static_cast<double>(config.*field)); }};
 }
 
 ConfigKey flag_key(std::string name, std::string comment, bool Config::*field) {
