@@ -61,6 +61,7 @@ uint16_t disparity_at(const ldp_planes& planes, size_t at, const PanoramaGrid& g
   const float depth = planes.depth[at];
   if (depth == 0) return kNoDisparity;
   if (!(depth > 0)) throw Refusal(LDP_BAD_ARGUMENT, "a depth is negative or not a number");
+  if (!(grid.w_near > grid.w_far)) return 0;  // every disparity is the one depth that the grid has
   const double share = (1.0 / static_cast<double>(depth) - grid.w_far) / (grid.w_near - grid.w_far);
   return static_cast<uint16_t>(std::floor(std::clamp(share, 0.0, 1.0) * kDisparitySteps + 0.5));
 }

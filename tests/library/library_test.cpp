@@ -265,6 +265,36 @@ TEST(Library, DepthsAreWrittenAsTheNearestDisparities) {
   EXPECT_EQ(again, depth);
 }
 
+TEST(Library, WhereTheGridHasOneDepthThatIsWritten) {
+  ldp_description told = LDP_INIT(ldp_description);
+  ASSERT_EQ(ldp_describe(open(file_of(kBlocks)).get(), &told, nullptr), LDP_OK);
+  told.width = 4, told.height = 1;
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const double only : {0.0, 0.25}) {
+    told.far_inverse_depth = told.near_inverse_depth = only;
+    ldp_writer* begun = nullptr;
+    ASSERT_EQ(ldp_writer_new(&told, &begun, nullptr), LDP_OK);
+    const Writer writer(begun);
+    std::vector<float> depth{infinity, 4, 0, 1}, again(4);
+    std::vector<uint16_t> disparity(4);
+    std::vector<uint8_t> rgb(12, 100);
+    ldp_planes planes = LDP_INIT(ldp_planes);
+    planes.depth = depth.data(), planes.rgb = rgb.data();
+    ASSERT_EQ(ldp_writer_add_layer(writer.get(), &planes, 0, nullptr), LDP_OK);
+    void* bytes = nullptr;
+    size_t count = 0;
+    ASSERT_EQ(ldp_writer_encode(writer.get(), 101, &bytes, &count, nullptr), LDP_OK);
+    const auto* const first = static_cast<uint8_t*>(bytes);
+    const Open written = open({first, first + count});
+    ldp_free(bytes);
+    planes.depth = again.data(), planes.disparity = disparity.data();
+    ASSERT_EQ(ldp_read_planes(written.get(), 0, &planes, nullptr), LDP_OK);
+    const float expected = static_cast<float>(1 / only);
+    EXPECT_EQ(again, (std::vector<float>{expected, expected, 0, expected}));
+    EXPECT_EQ(disparity, (std::vector<uint16_t>{0, 0, LDP_NO_DISPARITY, 0}));
+  }
+}
+
 class Refusals : public testing::Test {
  protected:
   void expect(ldp_status found, ldp_status status, const std::string& words) const {
