@@ -299,6 +299,7 @@ TEST_F(Intakes, PhotosOfOtherKindsThatCannotBeReadAreRefused) {
   expect_refusal(heif, 2, "a.heic: cannot be read by heif-convert (no brand)",
                  with_program("heif-convert", "echo no brand >&2; exit 1"));
   expect_refusal(raw, 2, "b.NEF: no JPEG picture in it", with_program("simple_dcraw", "true"));
+  expect_refusal(heif, 75, "heif-convert", {"bash", "-c", "ulimit -n 5; exec \"$0\" \"$@\""});
 }
 
 }  // namespace

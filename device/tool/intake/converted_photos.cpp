@@ -50,7 +50,8 @@ void run(const Converter& converter, const PhotoFile& photo, const Job& job) {
     const std::string complaint = program.first_line_said();
     throw BadInput(photo.called + ": cannot be read by " + converter.words[0] +
                    (complaint.empty() ? "" : " (" + complaint + ")") + ": copy it again, or leave it out");
-  } catch (const std::system_error&) {
+  } catch (const std::system_error& error) {
+    if (is_machine_fault(error.code())) throw;
     throw BadInput(photo.called + ": " + converter.kind + ", which could not be started: " + converter.remedy +
                    ", or give .jpg photos");
   }
