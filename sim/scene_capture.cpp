@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/files.h"
+#include "core/captures/json_text.h"
 #include "core/captures/transforms.h"
 #include "core/photos/images.h"
 #include "sim/npy.h"
@@ -53,7 +54,7 @@ std::string capture_json(const SceneCaptureOptions& options, const SceneSweep& s
                               {"exposure_s", kExposure_s * exposures[static_cast<size_t>(i)]},
                               {"gain", 1.0}});
   }
-  return json.dump(1) + "\n";
+  return json_text(json, 1) + "\n";
 }
 
 SceneDescription scene_in_shade(const SceneCaptureOptions& options) {

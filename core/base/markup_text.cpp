@@ -3,6 +3,47 @@
 #include <cstddef>
 
 namespace ldp {
+namespace {
+
+constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
+
+// What the first byte of a character tells: its bytes, and the range of the second one, which leaves out longer forms
+// of shorter characters, halves of surrogate pairs, and what is beyond U+10FFFF. length = 0: no character begins so.
+struct Beginning {
+  size_t length = 0;
+  uint8_t low = 0x80, high = 0xBF;
+};
+
+Beginning beginning(uint8_t first) {
+  if (first < 0x80) return {1};
+  if (first < 0xC2 || first > 0xF4) return {};
+  if (first < 0xE0) return {2};
+  if (first < 0xF0) return {3, uint8_t(first == 0xE0 ? 0xA0 : 0x80), uint8_t(first == 0xED ? 0x9F : 0xBF)};
+  return {4, uint8_t(first == 0xF0 ? 0x90 : 0x80), uint8_t(first == 0xF4 ? 0x8F : 0xBF)};
+}
+
+// Bytes of the character that the text begins with, as far as it goes on.
+size_t sound_bytes(std::string_view text, Beginning of) {
+  size_t sound = 1;
+  for (; sound < of.length && sound < text.size(); of.low = 0x80, of.high = 0xBF, ++sound) {
+    const auto byte = static_cast<uint8_t>(text[sound]);
+    if (byte < of.low || byte > of.high) break;
+  }
+  return sound;
+}
+
+}  // namespace
+
+std::string utf8(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const Beginning of = beginning(static_cast<uint8_t>(text[0]));
+    const size_t sound = sound_bytes(text, of);
+    out += sound == of.length ? text.substr(0, sound) : kReplacement;
+    text.remove_prefix(sound);
+  }
+  return out;
+}
 
 std::string escaped(std::string_view text) {
   std::string out;

@@ -8,7 +8,9 @@
 #include <stdexcept>
 
 #include "core/base/files.h"
+#include "core/base/markup_text.h"
 #include "core/captures/json_fields.h"
+#include "core/captures/json_text.h"
 #include "core/captures/opengl_pose.h"
 #include "core/photos/images.h"
 
@@ -209,12 +211,12 @@ std::string transforms_json(std::span<const Camera> cameras) {
   json["frames"] = Json::array();
   for (const Camera& camera : cameras) {
     Json frame;
-    frame["file_path"] = camera.name;
+    frame["file_path"] = utf8(camera.name);
     if (!shared) put(frame, camera.intrinsics);
     frame["transform_matrix"] = rows_of(camera.pose);
     json["frames"].push_back(std::move(frame));
   }
-  return json.dump(1) + "\n";
+  return json_text(json, 1) + "\n";
 }
 
 void write_transforms(const std::filesystem::path& file, std::span<const Camera> cameras) {
@@ -222,10 +224,14 @@ void write_transforms(const std::filesystem::path& file, std::span<const Camera>
 }
 
 const Camera* find_camera(std::span<const Camera> cameras, std::string_view photo_name) {
+  const std::string as_text = utf8(photo_name);  // as it is written
+  const auto is_named = [&](std::string_view name, auto part) {
+    return part(name) == part(photo_name) || part(name) == part(as_text);
+  };
   for (const Camera& camera : cameras)
-    if (camera.name == photo_name) return &camera;
+    if (is_named(camera.name, [](std::string_view name) { return name; })) return &camera;
   for (const Camera& camera : cameras)
-    if (without_extension(camera.name) == without_extension(photo_name)) return &camera;
+    if (is_named(camera.name, without_extension)) return &camera;
   return nullptr;
 }
 

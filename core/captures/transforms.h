@@ -21,12 +21,12 @@ std::vector<Camera> read_transforms(const std::filesystem::path& file);
 std::vector<Camera> parse_transforms(std::string_view json, const std::string& name_for_errors);
 
 // Intrinsics that all cameras share are written once; `software` tells who wrote them. Numbers are written so that
-// reading gives the same doubles back.
+// reading gives the same doubles back, names as utf8 does (core/base/markup_text.h).
 void write_transforms(const std::filesystem::path& file, std::span<const Camera> cameras);
 std::string transforms_json(std::span<const Camera> cameras);
 
-// The camera of a photo: of the same name, else of the same name without the extension (transforms.json may leave it
-// out, or the photo may have been converted). Null when there is none.
+// The camera of a photo: of the same name, as it is or as it was written, else of the same name without the extension
+// (transforms.json may leave it out, or the photo may have been converted). Null when there is none.
 const Camera* find_camera(std::span<const Camera> cameras, std::string_view photo_name);
 
 }  // namespace ldp

@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "core/captures/json_text.h"
 #include "core/export/export.h"
 #include "core/export/mesh_codec.h"
 #include "core/export/surface.h"
@@ -69,7 +70,7 @@ class GlbWriter {
     if (unpacked_ > 0)  // never there: where readers put what they unpack
       json_["buffers"].push_back({{"byteLength", unpacked_}, {"extensions", {{kMeshopt, {{"fallback", true}}}}}});
     if (json_["scenes"][0]["nodes"].empty()) json_["scenes"][0].erase("nodes");
-    std::string text = json_.dump();
+    std::string text = json_text(json_);
     text.resize((text.size() + 3) / 4 * 4, ' ');
     std::vector<uint8_t> out;
     const size_t binary_chunk = binary_.empty() ? 0 : 8 + binary_.size();

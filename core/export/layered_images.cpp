@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "core/captures/json_text.h"
 #include "core/captures/transforms.h"
 #include "core/export/export.h"
 #include "core/photos/images.h"
@@ -44,7 +45,7 @@ std::vector<uint8_t> layers_json(const LayeredPanorama& panorama) {
   for (size_t i = 0; i < panorama.layers.size(); ++i)
     json["layers"].push_back({{"image", file_name(i, "")}, {"disparity", file_name(i, "_disparity")}});
   json["cameras"] = Json::parse(transforms_json(panorama.cameras));
-  const std::string text = json.dump(1) + "\n";
+  const std::string text = json_text(json, 1) + "\n";
   return {text.begin(), text.end()};
 }
 

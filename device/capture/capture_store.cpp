@@ -14,6 +14,7 @@
 
 #include "core/base/files.h"
 #include "core/captures/json_fields.h"
+#include "core/captures/json_text.h"
 #include "device/capture/capture_tuning.h"
 #include "device/capture/log.h"
 #include "drivers/interface/clocks.h"
@@ -125,7 +126,7 @@ std::string capture_json(const CaptureRecord& record) {
     if (frame.gain) entry["gain"] = *frame.gain;
     json["frames"].push_back(std::move(entry));
   }
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, 1) + "\n";
 }
 
 void CaptureStore::prepare() const {
@@ -225,7 +226,7 @@ void CaptureStore::write_build_record(const std::string& name, const BuildRecord
                   {"cancelled", record.cancelled},
                   {"failed", record.failed},
                   {"reason", record.reason}};
-  write_file(folder_of(name) / "build.json", json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_file(folder_of(name) / "build.json", json_text(json, 1) + "\n");
 }
 
 BuildRecord CaptureStore::read_build_record(const std::string& name) const {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "core/captures/json_text.h"
 #include "device/gallery/bodies.h"
 #include "device/gallery/gallery_pages.h"
 
@@ -103,7 +104,7 @@ Reply Gallery::look_at(const Asked& asked) {
 Reply Gallery::list(const Asked& asked) {
   Json json{{"live", feed_.has_device()}, {"changes", !options_.token.empty()}, {"panoramas", Json::array()}};
   for (const SharedCard& card : cards_.newest_first()) json["panoramas"].push_back(json_of(*card));
-  return send_text(asked, json.dump(-1, ' ', false, Json::error_handler_t::replace), "application/json");
+  return send_text(asked, json_text(json), "application/json");
 }
 
 Reply Gallery::show(const Asked& asked, const std::string& name) {

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/captures/json_text.h"
 #include "device/capture/log.h"
 #include "device/gallery/status_json.h"
 #include "drivers/interface/clocks.h"
@@ -22,10 +23,7 @@ constexpr size_t kMostFollowers = 400;
 constexpr int kSilence_ms = 10'000;  // at most: a follower that is gone is noticed by writing
 constexpr int kRetry_ms = 2'000;     // from one try to reach the device to the next
 
-std::string event_of(const StatusMessage& message) {
-  using Json = nlohmann::ordered_json;
-  return "data: " + json_from(message).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n\n";
-}
+std::string event_of(const StatusMessage& message) { return "data: " + json_text(json_from(message)) + "\n\n"; }
 
 // All of it at once, or the follower has not read for long.
 bool tell(int follower, const std::string& text) {

@@ -72,6 +72,32 @@ TEST_F(Outputs, ASweepOfLightAndShadeIsShownAtLocalOrEvenExposure) {
                  "--exposure");
 }
 
+TEST_F(Outputs, NamesThatAreNoUtf8AreReportedAndStored) {
+  const std::string odd = path("caf\xe9"), report = path("report.json"), cameras = path("cameras.json");
+  fs::rename(capture(), odd);
+  fs::rename(odd + "/frames/001.png", odd + "/frames/001\xe9.png");
+  std::string told = text_of(odd + "/transforms.json");
+  const std::string name = "001.png", as_text = "001\uFFFD.png";
+  told.replace(told.find(name), name.size(), as_text);
+  write_file(odd + "/transforms.json", told);
+  const std::vector<std::string> given = {odd, "--cameras", odd + "/transforms.json", "--json"};
+  const auto json_of = [&](std::vector<std::string> words) {
+    words.insert(words.begin() + 1, given.begin(), given.end());
+    const Outcome done = ldp(words);
+    EXPECT_EQ(done.status, 0) << done.err;
+    const auto json = nlohmann::json::parse(done.out, nullptr, false);
+    EXPECT_FALSE(json.is_discarded()) << done.out;
+    return json;
+  };
+  const auto built = json_of({"build", "-o", path("a.ldp"), "--report", report, "--layers", "1", "--iterations", "1"});
+  EXPECT_EQ(built["options"]["capture"], path("caf\uFFFD"));
+  EXPECT_FALSE(nlohmann::json::parse(text_of(report)).contains("failure"));
+  EXPECT_EQ(decode_ldp(read_file(path("a.ldp"))).cameras.at(1).name, as_text);
+  json_of({"poses", "-o", cameras});
+  EXPECT_EQ(read_transforms(cameras).at(1).name, as_text);
+  EXPECT_EQ(json_of({"evaluate", "--layers", "1", "--iterations", "1", "--every", "4"})["views"].size(), 2U);
+}
+
 TEST_F(Outputs, AFilmIsKnownByItsEndingInAnyCase) {
   const std::string file = small_panorama();
   const auto ffmpeg = with_ffmpeg("cat > \"$film\"");

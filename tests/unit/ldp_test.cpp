@@ -437,6 +437,15 @@ TEST(LdpEncoder, RefusesWhatItCouldNotGiveBack) {
   EXPECT_THROW(encode_ldp(broken, {}), std::runtime_error);
 }
 
+TEST(LdpEncoder, WritesNamesThatAreNoUtf8AsUtf8) {
+  LayeredPanorama panorama = synthetic_panorama({});
+  panorama.cameras.at(0).name = "caf\xe9.jpg";
+  panorama.metadata["device"] = "\xff";
+  const LayeredPanorama decoded = decode_ldp(encode_ldp(panorama, {}));
+  EXPECT_EQ(decoded.cameras.at(0).name, "caf\uFFFD.jpg");
+  EXPECT_EQ(decoded.metadata.at("device"), "\uFFFD");
+}
+
 TEST(LdpEncoder, StopsWhenTheJobIsStopped) {
   std::stop_source source;
   source.request_stop();

@@ -6,7 +6,12 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
 #include <stdexcept>
+
+#include "core/base/markup_text.h"
+#include "core/captures/json_text.h"
 
 namespace ldp {
 namespace {
@@ -120,6 +125,37 @@ TEST(Transforms, APhotoFindsItsCameraWithOrWithoutExtension) {
   EXPECT_EQ(find_camera(cameras, "frame_001.jpg"), &cameras[1]);
   EXPECT_EQ(find_camera(cameras, "frame_002.png"), &cameras[2]);
   EXPECT_EQ(find_camera(cameras, "frame_003.jpg"), nullptr);
+}
+
+TEST(Transforms, APhotoWhoseNameIsNoUtf8FindsItsCamera) {
+  std::vector<Camera> cameras = some_cameras();
+  cameras[1].name = "caf\xe9_001.jpg", cameras[2].name = "caf\xc3\xa9_002.jpg";
+  const std::vector<Camera> read = parse_transforms(transforms_json(cameras), "t.json");
+  EXPECT_EQ(read[1].name, "caf\uFFFD_001.jpg");
+  EXPECT_EQ(read[2].name, cameras[2].name);
+  for (const std::string ending : {".jpg", ".png"})
+    EXPECT_EQ(find_camera(read, "caf\xe9_001" + ending), &read[1]) << ending;
+  EXPECT_EQ(find_camera(cameras, "caf\xe9_001.jpg"), &cameras[1]) << "of a program that writes names as they are";
+}
+
+TEST(Utf8, KeepsWhatIsUtf8AndReplacesTheRest) {
+  const std::string sound = "a\xc3\xa9\xe2\x82\xac\xed\x9f\xbf\xf0\x9f\x93\xb7\xf4\x8f\xbf\xbf";
+  EXPECT_EQ(utf8(sound), sound);
+  EXPECT_EQ(utf8("caf\xe9"), "caf\uFFFD") << "Latin-1";
+  EXPECT_EQ(utf8("\xe2\x82|"), "\uFFFD|") << "cut off";
+  EXPECT_EQ(utf8("\xc0\xaf"), "\uFFFD\uFFFD") << "a longer form";
+  EXPECT_EQ(utf8("\xed\xa0\x80"), "\uFFFD\uFFFD\uFFFD") << "half of a pair";
+}
+
+TEST(Utf8, ReplacesAsJsonTextDoes) {
+  const std::string bytes = "a\x7f\x80\x90\xa0\xbf\xc1\xc2\xe0\xe1\xed\xef\xf0\xf1\xf4\xf5\xff";
+  std::mt19937 random(1);
+  for (int i = 0; i < 20'000; ++i) {
+    std::string text;
+    for (size_t length = random() % 7; text.size() < length;) text += bytes[random() % bytes.size()];
+    const std::string told = nlohmann::json::parse(json_text(nlohmann::json(text)));
+    EXPECT_EQ(utf8(text), told) << testing::PrintToString(text);
+  }
 }
 
 TEST(Transforms, TheGardensCamerasLieOnItsArc) {

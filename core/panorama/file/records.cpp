@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/markup_text.h"
+
 namespace ldp::file {
 namespace {
 
@@ -236,7 +238,7 @@ std::vector<uint8_t> write_cameras(const std::vector<Camera>& cameras) {
   ByteWriter out;
   out.u32(static_cast<uint32_t>(cameras.size()));
   for (const Camera& camera : cameras) {
-    put(out, camera.name);
+    put(out, utf8(camera.name));
     put(out, camera.intrinsics);
     put(out, camera.pose.world_from_camera);
     put(out, camera.pose.centre);
@@ -268,7 +270,7 @@ std::map<std::string, double> read_quality(ByteReader in) {
 }
 
 std::vector<uint8_t> write_metadata(const std::map<std::string, std::string>& metadata) {
-  return write_map(metadata, [](ByteWriter& out, const std::string& value) { put(out, value); });
+  return write_map(metadata, [](ByteWriter& out, const std::string& value) { put(out, utf8(value)); });
 }
 
 std::map<std::string, std::string> read_metadata(ByteReader in) {

@@ -13,6 +13,7 @@
 
 #include "core/base/files.h"
 #include "core/base/processor_time.h"
+#include "core/captures/json_text.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/verdict/words.h"
 #include "device/tool/build_setup.h"
@@ -119,7 +120,7 @@ int tell_earlier(const BuildCommand& command, const LdpDescription& earlier, boo
   if (in_json) {
     const nlohmann::ordered_json json{
         {"file", command.output}, {"made_already", true}, {"quality", quality_json(figures)}};
-    std::printf("%s\n", json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    std::printf("%s\n", json_text(json, 1).c_str());
   } else {
     std::printf("%s: made already from the same photos and options\n", command.output.c_str());
   }
@@ -132,7 +133,7 @@ void report_failure(const BuildCommand& command, const Failure& failure) {
   nlohmann::ordered_json report{{"version", LDP_VERSION},
                                 {"failure", {{"status", failure.status}, {"text", failure.text}}}};
   report["options"]["capture"] = command.setup.capture();
-  write_text(command.report, report.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  write_text(command.report, json_text(report, 1) + "\n");
 }
 
 int run(const BuildCommand& command, const Session& session) {
@@ -163,10 +164,10 @@ int run(const BuildCommand& command, const Session& session) {
   report["peak_memory_bytes"] = peak_memory_bytes();
   report["scratch_files"] = result.scratch != nullptr;
   report["bytes"] = sizes_json(file);
-  if (!command.report.empty()) write_text(command.report, report.dump(1) + "\n");
+  if (!command.report.empty()) write_text(command.report, json_text(report, 1) + "\n");
   bar.reset();
   if (session.json)
-    std::printf("%s\n", report.dump(1).c_str());
+    std::printf("%s\n", json_text(report, 1).c_str());
   else
     print_summary(command, result, file.size(), seconds);
   return judged(command, result.report.quality);

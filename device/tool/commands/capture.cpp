@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/captures/field_of_view.h"
+#include "core/captures/json_text.h"
 #include "device/service/capture_session.h"
 #include "device/tool/commands.h"
 #include "device/tool/number_within.h"
@@ -84,7 +85,7 @@ int run_capture(CaptureCommand command, const Session& session) {
     if (status != kDone) throw Impossible(capture.last_failure());
     if (session.json) {
       const nlohmann::ordered_json json{{"capture", config.output}, {"frames", capture.frames_stored()}};
-      std::printf("%s\n", json.dump().c_str());
+      std::printf("%s\n", json_text(json).c_str());
     }
     return kDone;
   } catch (const UnusableDevice& error) {

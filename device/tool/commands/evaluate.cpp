@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/base/files.h"
+#include "core/captures/json_text.h"
 #include "core/photos/exposure/local_exposure.h"
 #include "core/photos/exposure/photo_exposure.h"
 #include "core/photos/exposure_gain.h"
@@ -206,7 +207,7 @@ void print(const std::vector<Row>& rows, const BuildReport& report, bool json) {
     for (const Row& row : rows)
       all["views"].push_back(
           {{"name", row.name}, {"view", view_quality_json(row.ours)}, {"baseline", view_quality_json(row.baseline)}});
-    std::printf("%s\n", all.dump(1).c_str());
+    std::printf("%s\n", json_text(all, 1).c_str());
     return;
   }
   for (const Row& row : rows) print_row(row.name, row.ours);

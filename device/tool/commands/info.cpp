@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/base/files.h"
+#include "core/captures/json_text.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/verdict/words.h"
 #include "device/tool/commands.h"
@@ -195,7 +196,7 @@ int run(const PanoramaInput& input, const Session& session) {
     if (!damages.empty()) throw LdpError(damages.front());
     const LdpDescription description = describe_ldp(mapped.bytes());
     if (session.json)
-      std::printf("%s\n", info_json(description).dump(1, ' ', false, Json::error_handler_t::replace).c_str());
+      std::printf("%s\n", json_text(info_json(description), 1).c_str());
     else
       print_text(file, description);
   } catch (const LdpError& error) {

@@ -12,6 +12,7 @@
 
 #include "core/arc/arc.h"
 #include "core/captures/colmap.h"
+#include "core/captures/json_text.h"
 #include "core/captures/transforms.h"
 #include "device/tool/build_setup.h"
 #include "device/tool/commands.h"
@@ -110,7 +111,7 @@ int run(const PosesCommand& command, const Session& session) {
   for (const std::string& what : {sideways(poses.cameras), wrong_exif_lens(poses.report)})
     if (!what.empty()) std::fprintf(stderr, "ldp poses: %s\n", with_switches(what).c_str());
   if (session.json)
-    std::printf("%s\n", poses_json(poses.report).dump(1).c_str());
+    std::printf("%s\n", json_text(poses_json(poses.report), 1).c_str());
   else
     print_table(poses.report);
   return kDone;

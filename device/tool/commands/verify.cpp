@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/files.h"
+#include "core/captures/json_text.h"
 #include "device/tool/commands.h"
 #include "device/tool/output.h"
 #include "device/tool/panorama_input.h"
@@ -24,7 +25,7 @@ int check_file(const PanoramaInput& input, const Session& session) {
   bar.reset();
   if (session.json) {
     const nlohmann::ordered_json json{{"file", file}, {"sound", damages.empty()}, {"damages", damages}};
-    std::printf("%s\n", json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    std::printf("%s\n", json_text(json, 1).c_str());
   } else if (damages.empty()) {
     std::printf("%s: sound\n", file.c_str());
   }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "core/captures/json_text.h"
 #include "device/backends/open.h"
 #include "device/gallery/status_json.h"
 #include "device/tool/commands.h"
@@ -58,7 +59,7 @@ void print(const HeardMessage& heard, bool as_json) {
     Json json = gallery::json_from(heard.message);
     json["utc"] = utc;
     json["monotonic_ns"] = heard.monotonic_ns;
-    std::printf("%s\n", json.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
+    std::printf("%s\n", json_text(json).c_str());
   } else {
     const std::string line = std::visit([](const auto& message) { return line_from(message); }, heard.message);
     std::string clean = line;  // a stranger's datagram must not write escape sequences onto the terminal

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "core/captures/json_text.h"
 #include "core/estimate/estimate.h"
 #include "device/tool/process/progress_bar.h"
 
@@ -43,7 +44,7 @@ int tell_estimate(const BuildSetup& setup, const std::string& output, const Sess
                                     {"width", estimate.width},
                                     {"height", estimate.height},
                                     {"spent_seconds", estimate.spent_seconds}};
-  std::printf("%s\n", json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  std::printf("%s\n", json_text(json, 1).c_str());
   return kDone;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/files.h"
+#include "core/captures/json_text.h"
 #include "core/captures/transforms.h"
 #include "device/tool/panorama_input.h"
 
@@ -44,7 +45,7 @@ std::string recipe_of(const BuildSetup& setup, const PreparedBuild& prepared) {
   for (const PhotoFile& photo : prepared.frames.files())
     json["photos"].push_back({photo.path.filename().string(), fs::file_size(photo.path)});
   json["device"] = {prepared.notes.device, prepared.notes.captured_utc};
-  return digits_of(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  return digits_of(json_text(json));
 }
 
 std::optional<LdpDescription> made_already(const std::string& output, const std::string& recipe,

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "core/captures/json_text.h"
 #include "device/tool/commands.h"
 #include "device/tool/many/build_outcomes.h"
 #include "device/tool/output.h"
@@ -21,7 +22,7 @@ int run(const SummaryCommand& command, const Session& session) {
   const std::vector<BuildOutcome> outcomes = outcomes_in(command.folder);
   if (!command.page.empty()) write_text(command.page, summary_page(kSummaryTitle, outcomes));
   if (session.json)
-    std::printf("%s\n", summary_json(outcomes).dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    std::printf("%s\n", json_text(summary_json(outcomes), 1).c_str());
   else
     std::fputs(summary_table(outcomes).c_str(), stdout);
   return kDone;
