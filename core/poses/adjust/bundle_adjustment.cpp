@@ -137,6 +137,21 @@ ceres::CostFunction* reprojection(MotionModel model, const BundleObservation& o,
   return new Reprojection<MotionModel::free>(o, camera, frame, loss);
 }
 
+void add_step_priors(const BundleAdjustmentOptions& options, ParameterBlocks& blocks, ceres::Problem& problem) {
+  for (const StepPrior& step : options.step_priors) {
+    const size_t a = static_cast<size_t>(step.a), b = static_cast<size_t>(step.b);
+    if (!problem.HasParameterBlock(blocks.camera(a)) || !problem.HasParameterBlock(blocks.camera(b))) continue;
+    auto* const turn =
+        new StepRotation{blocks.rotations[a].at_start, blocks.rotations[b].at_start, step.b_from_a, step.sigma_rad};
+    ceres::CostFunction* cost = nullptr;
+    if (options.model == MotionModel::free)
+      cost = new ceres::AutoDiffCostFunction<StepRotation, 3, kFreeBlock, kFreeBlock>(turn);
+    else
+      cost = new ceres::AutoDiffCostFunction<StepRotation, 3, 3, 3>(turn);
+    problem.AddResidualBlock(cost, nullptr, blocks.camera(a), blocks.camera(b));
+  }
+}
+
 void add_residuals(const Bundle& bundle, const BundleAdjustmentOptions& options, ParameterBlocks& blocks,
                    Losses& losses, ceres::Problem& problem) {
   const std::vector<int> views = track_lengths(bundle);
@@ -146,6 +161,7 @@ void add_residuals(const Bundle& bundle, const BundleAdjustmentOptions& options,
     problem.AddResidualBlock(reprojection(options.model, o, blocks, loss), &loss, blocks.camera(camera), blocks.lens(),
                              blocks.point(point));
   }
+  if (options.model != MotionModel::rotation) add_step_priors(options, blocks, problem);
   if (options.model != MotionModel::free) return;
   for (size_t i = 0; i < bundle.cameras.size(); ++i) {
     if (!problem.HasParameterBlock(blocks.camera(i))) continue;

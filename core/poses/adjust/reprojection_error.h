@@ -175,4 +175,33 @@ struct ArcPrior {
   }
 };
 
+// The rotation between two cameras is that one, give or take sigma. (Sines of the angles between: a step that is a
+// right angle off is not drawn back.)
+struct StepRotation {
+  Eigen::Matrix3d a_from_world, b_from_world;  // at the start
+  Eigen::Matrix3d b_from_a;
+  double sigma_rad;
+
+  template <typename T>
+  bool operator()(const T* a, const T* b, T* residual) const {
+    const Eigen::Matrix<T, 3, 3> gap = turn(b) * b_from_world.cast<T>() * a_from_world.transpose().cast<T>() *
+                                       turn(a).transpose() * b_from_a.transpose().cast<T>();
+    const T scale = T(0.5 / sigma_rad);
+    residual[0] = scale * (gap(2, 1) - gap(1, 2));
+    residual[1] = scale * (gap(0, 2) - gap(2, 0));
+    residual[2] = scale * (gap(1, 0) - gap(0, 1));
+    return true;
+  }
+
+ private:
+  // That of a camera since the start.
+  template <typename T>
+  static Eigen::Matrix<T, 3, 3> turn(const T* g) {
+    Eigen::Matrix<T, 3, 3> m;
+    m << T(0), -g[2], g[1], g[2], T(0), -g[0], -g[1], g[0], T(0);
+    const T squared = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+    return Eigen::Matrix<T, 3, 3>::Identity() + T(2) / (T(1) + squared) * (m + m * m);
+  }
+};
+
 }  // namespace ldp::sfm

@@ -7,6 +7,7 @@
 #include "core/poses/adjust/distortion_model.h"
 #include "core/poses/adjust/robust_tracks.h"
 #include "core/poses/refine/refine_tuning.h"
+#include "core/poses/start/rotation_averaging.h"
 #include "core/poses/tracks/track_triangulation.h"
 
 namespace ldp::sfm {
@@ -57,6 +58,9 @@ void IterativeRefinement::iterate(const std::vector<Track>& tracks, double toler
   options_.function_tolerance = tolerance > kFineTolerance_px      ? kCoarseFunctionTolerance
                                 : tolerance > kKltTolerances_px[1] ? kMediumFunctionTolerance
                                                                    : kFineFunctionTolerance;
+  options_.step_priors = is_klt_tolerance(tolerance) || options_.model == MotionModel::rotation
+                             ? std::vector<StepPrior>{}
+                             : step_priors(*sweep_, r.bundle.lens.focal_px);
   cost_ = adjust_bundle(r.bundle, options_, job_).cost;
   if (last && reweights_at_end_) {
     adjust_with_track_weights(r.bundle, options_, sweep_->pixels(kTrackScale_px), job_);

@@ -66,6 +66,30 @@ std::vector<Candidate> passing_cheirality(const MatchedSweep& sweep, const std::
   return candidates;
 }
 
+// The tracks that one of the hypotheses at least explains, roughly. The longest are often of what keeps pace with the
+// camera, which none explains; adjusted to, they lead all hypotheses astray.
+std::vector<Track> static_tracks(const MatchedSweep& sweep, const std::vector<Track>& tracks,
+                                 const std::vector<RotationHypothesis>& hypotheses, const Job& job) {
+  std::vector<std::vector<bool>> explained(hypotheses.size());
+  Job alone = job;  // of each hypothesis
+  alone.threads = 1;
+  parallel_for(job, static_cast<int>(hypotheses.size()), [&](int i) {
+    const RotationHypothesis& one = hypotheses[static_cast<size_t>(i)];
+    Bundle bundle;
+    bundle.lens.focal_px = one.focal_px;
+    for (const Eigen::Matrix3d& r : one.world_from_camera) bundle.cameras.push_back({r, r.col(2)});
+    for (const Track& track : tracks)
+      explained[static_cast<size_t>(i)].push_back(
+          !triangulate_inliers({track}, sweep.pixels(kStaticTolerance_px), false, bundle, alone).empty());
+  });
+  std::vector<Track> still;
+  for (size_t t = 0; t < tracks.size(); ++t) {
+    const auto explains = [&](const std::vector<bool>& by_one) { return by_one[t]; };
+    if (std::any_of(explained.begin(), explained.end(), explains)) still.push_back(tracks[t]);
+  }
+  return still;
+}
+
 BundleAdjustmentOptions coarse_options(const MatchedSweep& sweep, const std::optional<FocalPrior>& prior) {
   BundleAdjustmentOptions options;
   options.focal_prior = prior.value_or(generic_focal_prior(sweep));
@@ -97,15 +121,19 @@ Candidate best_candidate(const MatchedSweep& sweep, const std::vector<Track>& tr
                          const Job& job) {
   Job alone = job;  // of each candidate
   alone.threads = 1;
+  const auto adjust_with_steps = [&sweep](Candidate& start, BundleAdjustmentOptions with, const Job& own) {
+    with.step_priors = step_priors(sweep, start.bundle.lens.focal_px);
+    adjust_candidate(start, with, own);
+  };
   options.model = MotionModel::spherical;
   std::vector<Candidate> candidates = candidates_from(hypotheses, job, [&](Candidate& start, const Job& own) {
     triangulate_tracks(tracks, start.bundle);
-    adjust_candidate(start, options, own);
+    adjust_with_steps(start, options, own);
   });
   candidates = best_of(passing_cheirality(sweep, tracks, std::move(candidates), job), kFreedStarts);
   options.model = MotionModel::free;
   parallel_for(job, static_cast<int>(candidates.size()),
-               [&](int i) { adjust_candidate(candidates[static_cast<size_t>(i)], options, alone); });
+               [&](int i) { adjust_with_steps(candidates[static_cast<size_t>(i)], options, alone); });
   return std::move(best_of(passing_cheirality(sweep, tracks, std::move(candidates), job), 1).front());
 }
 
@@ -114,7 +142,9 @@ Candidate best_candidate(const MatchedSweep& sweep, const std::vector<Track>& tr
 Bundle initialise_spherical(const MatchedSweep& sweep, const std::vector<Track>& tracks,
                             const std::vector<RotationHypothesis>& hypotheses, const std::optional<FocalPrior>& prior,
                             const Job& job) {
-  const std::vector<Track> coarse = longest_tracks(tracks, sweep.frames(), kStartObservationsPerFrame);
+  const std::vector<Track> coarse =
+      longest_tracks(static_tracks(sweep, longest_tracks(tracks, sweep.frames(), kStaticCandidates), hypotheses, job),
+                     sweep.frames(), kStartObservationsPerFrame);
   BundleAdjustmentOptions options = coarse_options(sweep, prior);
   options.arc_sigma = kStartArcSigma;
   Candidate best = best_candidate(sweep, coarse, hypotheses, options, job);

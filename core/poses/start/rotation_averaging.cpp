@@ -118,6 +118,18 @@ RelativeRotation relative_rotation(const MatchedSweep& sweep, const PairMatches&
                                            : spherical_rotation(rays, sweep.pixels(kSphereTolerance_px) / focal_px);
 }
 
+std::vector<StepPrior> step_priors(const MatchedSweep& sweep, double focal_px) {
+  std::vector<StepPrior> priors;
+  for (const PairMatches& pair : sweep.pairs) {
+    if (pair.b - pair.a != 1) continue;
+    const RelativeRotation step = relative_rotation(sweep, pair, focal_px, TwoViewMotion::spherical);
+    if (step.cost > kMaxStepCost) continue;
+    const double angle = Eigen::AngleAxisd(step.b_from_a).angle();
+    priors.push_back({pair.a, pair.b, step.b_from_a, kStepSigmaShare * std::max(angle, kLeastStep_rad)});
+  }
+  return priors;
+}
+
 double view_of_longer_side(const MatchedSweep& sweep, double focal_px) {
   return 2 * std::atan2(0.5 * std::max(sweep.features[0].width, sweep.features[0].height), focal_px);
 }

@@ -37,6 +37,10 @@ enum class TwoViewMotion { spherical, rotation };  // what relative rotation is 
 RelativeRotation relative_rotation(const MatchedSweep& sweep, const PairMatches& pair, double focal_px,
                                    TwoViewMotion motion);
 
+// How each frame's matches with the next want the two turned, under spherical motion. A step whose matches contradict
+// each other has none.
+std::vector<StepPrior> step_priors(const MatchedSweep& sweep, double focal_px);
+
 // For several focal lengths, around the prior's or over all that cameras have.
 std::vector<RotationHypothesis> rotation_hypotheses(const MatchedSweep& sweep, const std::optional<FocalPrior>& prior,
                                                     TwoViewMotion motion, const Job& job);

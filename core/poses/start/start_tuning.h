@@ -28,6 +28,11 @@ constexpr double kEffectiveMatches = 20;  // independent ones that all are worth
 constexpr int kKabschIterations = 12, kMaxAveragingIterations = 20;
 constexpr double kRotationTolerance_rad = 0.1;  // Cauchy scale of disagreement between edges of rotation averaging
 
+// Steps by their pairs alone (step_priors).
+constexpr double kStepSigmaShare = 0.2;  // deviation of their angle, of the angle
+constexpr double kLeastStep_rad = 0.01;  // which is no less
+constexpr double kMaxStepCost = 0.7;     // of RelativeRotation: half of the matches are off by the tolerance
+
 // Outlier rejection among pairs (rotation_averaging.h).
 constexpr size_t kMatchesPerRotation = 100;     // that estimate a pair's rotation
 constexpr double kSequenceDistancePower = 1.5;  // of the distance in the sequence, by which pairs are trusted less
@@ -46,9 +51,11 @@ constexpr double kLoopGapLoss_px = 40;     // and by which a circle may miss its
 constexpr double kMinFrontShare = 0.5;     // 0 .. 1, of the best one's inliers, that others need
 constexpr double kBehindInfinity = -0.02;  // inverse distance of a point that fails the cheirality test
 constexpr int kStartObservationsPerFrame = 50;
-constexpr size_t kFreedStarts = 3;       // that are adjusted with free centres
-constexpr double kStartArcSigma = 0.05;  // of these, radii: a short arc could turn inside out otherwise
-constexpr double kSameLogFocal = 0.02;   // starts whose focal lengths differ by less are one
+constexpr int kStaticCandidates = 2 * kStartObservationsPerFrame;  // of a frame, the longest tracks first, of which
+constexpr double kStaticTolerance_px = 24;  // those are taken that a hypothesis explains within so many pixels of 800
+constexpr size_t kFreedStarts = 3;          // that are adjusted with free centres
+constexpr double kStartArcSigma = 0.05;     // of these, radii: a short arc could turn inside out otherwise
+constexpr double kSameLogFocal = 0.02;      // starts whose focal lengths differ by less are one
 
 // Incremental reconstruction (incremental_reconstruction.h).
 constexpr double kIncrementalTolerance_px = 4;  // pixels of 800

@@ -43,6 +43,45 @@ TEST(Adjust, BelievesPointsThatAThirdCameraConfirmsRatherThanPairsAgainstThem) {
   EXPECT_LT(gap_at_weight(0.05), 0.2 * gap_at_weight(1));
 }
 
+// A truth of two halves that no point ties together, the second one turned away.
+Bundle in_halves(const Bundle& truth) {
+  Bundle bundle = truth;
+  std::erase_if(bundle.observations, [](const BundleObservation& o) { return (o.camera < 4) != (o.point % 2 == 0); });
+  const Eigen::Matrix3d away = turn(0, 4, 0);
+  for (size_t i = 4; i < bundle.cameras.size(); ++i) {
+    Pose& pose = bundle.cameras[i];
+    pose = {away * pose.world_from_camera, away * pose.centre};
+  }
+  for (InversePoint& point : bundle.points)
+    if ((&point - bundle.points.data()) % 2 == 1) point.direction = away * point.direction;
+  return bundle;
+}
+
+class StepPriors : public testing::TestWithParam<MotionModel> {};
+
+TEST_P(StepPriors, DecideWhatPointsLeaveOpen) {
+  const Bundle truth = true_bundle(GetParam());
+  const auto step = [](const Bundle& b) -> Eigen::Matrix3d {
+    return b.cameras[4].world_from_camera.transpose() * b.cameras[3].world_from_camera;
+  };
+  Bundle without = in_halves(truth), with = without;
+  BundleAdjustmentOptions options;
+  options.model = GetParam();
+  options.refine_focal = false;
+  options.function_tolerance = 1e-12;
+  options.max_iterations = 200;
+  EXPECT_TRUE(adjust_bundle(without, options, Job{}).usable);
+  EXPECT_GT(angle_deg(step(without), step(truth)), 3);
+  options.step_priors = {{3, 4, step(truth), 2 * kDegree}};
+  EXPECT_TRUE(adjust_bundle(with, options, Job{}).usable);
+  EXPECT_LT(angle_deg(step(with), step(truth)), 0.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, StepPriors, testing::Values(MotionModel::spherical, MotionModel::free),
+                         [](const auto& model) {
+                           return model.param == MotionModel::spherical ? "spherical" : "free";
+                         });
+
 // A truth whose points three cameras each see, the last of them another thing of every tenth, beside it along the path,
 // as where an edge lies before what is farther: any depth leaves all three observations wrong.
 Bundle with_edges(const Bundle& truth) {

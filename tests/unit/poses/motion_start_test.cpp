@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "core/poses/start/initialisation.h"
 #include "core/poses/start/motion_model.h"
 #include "core/poses/start/spherical_motion.h"
 #include "tests/unit/poses/known_sweep.h"
@@ -84,6 +85,42 @@ TEST(AverageRotations, ClosesALoopAndIgnoresAFalseEdge) {
   for (size_t i = 0; i < 10; ++i) {
     EXPECT_TRUE(reached[i]);
     EXPECT_LT(angle_deg(world[(i + 1) % 10].transpose() * world[i], step), 0.5);
+  }
+}
+
+// Things that keep pace with the camera stand in one place of all photos, and so are tracked the longest.
+TEST(InitialiseSpherical, IsNotLedByWhatKeepsPaceWithTheCamera) {
+  const Bundle truth = true_bundle(MotionModel::spherical);
+  KnownSweep known(truth);
+  std::vector<Track> tracks = known.found.tracks;
+  std::mt19937 random(3);
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector2d place(uniform(random, -350, 350), uniform(random, -350, 350));
+    Track& pacing = tracks.emplace_back();
+    for (int frame = 0; frame < 8; ++frame) pacing.push_back({frame, 0, place});
+  }
+  RotationHypothesis near_truth;
+  near_truth.focal_px = 720;
+  for (const Pose& pose : truth.cameras) near_truth.world_from_camera.push_back(pose.world_from_camera);
+  const Bundle found = initialise_spherical(known.sweep, tracks, {near_truth}, FocalPrior{720, 0.1}, Job{});
+  for (size_t i = 1; i < truth.cameras.size(); ++i) {
+    const auto step = [&](const Bundle& b) -> Eigen::Matrix3d {
+      return b.cameras[i].world_from_camera.transpose() * b.cameras[i - 1].world_from_camera;
+    };
+    EXPECT_LT(angle_deg(step(found), step(truth)), 0.5);
+  }
+}
+
+TEST(StepPrior, IsOfEachFrameAndTheNext) {
+  const Bundle truth = true_bundle(MotionModel::spherical);
+  const std::vector<StepPrior> priors = step_priors(KnownSweep(truth).sweep, truth.lens.focal_px);
+  ASSERT_EQ(priors.size(), 7U);
+  for (const StepPrior& prior : priors) {
+    EXPECT_EQ(prior.b, prior.a + 1);
+    const Eigen::Matrix3d wanted = truth.cameras[static_cast<size_t>(prior.b)].world_from_camera.transpose() *
+                                   truth.cameras[static_cast<size_t>(prior.a)].world_from_camera;
+    EXPECT_LT(angle_deg(prior.b_from_a, wanted), 1);
+    EXPECT_NEAR(prior.sigma_rad / kDegree, 1.6, 0.2);
   }
 }
 
