@@ -77,7 +77,7 @@ double robust_cost(const Bundle& bundle, MotionModel model, double scale_px) {
 }  // namespace
 
 void adjust_with_track_weights(Bundle& bundle, BundleAdjustmentOptions options, double scale_px, const Job& job) {
-  adjust_reweighted(bundle, options, ReweightingOptions{.scale_px = scale_px}, job);
+  adjust_reweighted(bundle, std::move(options), ReweightingOptions{.scale_px = scale_px}, job);
 }
 
 bool adjust_with_narrow_track_weights(Bundle& bundle, BundleAdjustmentOptions options, double pixel, const Job& job) {
