@@ -241,6 +241,17 @@ TEST(Library, WritesAFileFromPlanes) {
   EXPECT_EQ(rgb_again, rgb);
 }
 
+// What has been written so far, opened.
+Open encoded(const Writer& writer) {
+  void* bytes = nullptr;
+  size_t count = 0;
+  EXPECT_EQ(ldp_writer_encode(writer.get(), 101, &bytes, &count, nullptr), LDP_OK);
+  const auto* const first = static_cast<uint8_t*>(bytes);
+  Open written = open({first, first + count});
+  ldp_free(bytes);
+  return written;
+}
+
 TEST(Library, DepthsAreWrittenAsTheNearestDisparities) {
   ldp_description told = LDP_INIT(ldp_description);
   ASSERT_EQ(ldp_describe(open(file_of(kBlocks)).get(), &told, nullptr), LDP_OK);
@@ -254,12 +265,7 @@ TEST(Library, DepthsAreWrittenAsTheNearestDisparities) {
   ldp_planes planes = LDP_INIT(ldp_planes);
   planes.depth = depth.data(), planes.rgb = rgb.data();
   ASSERT_EQ(ldp_writer_add_layer(writer.get(), &planes, 0, nullptr), LDP_OK);
-  void* bytes = nullptr;
-  size_t count = 0;
-  ASSERT_EQ(ldp_writer_encode(writer.get(), 101, &bytes, &count, nullptr), LDP_OK);
-  const auto* const first = static_cast<uint8_t*>(bytes);
-  const Open written = open({first, first + count});
-  ldp_free(bytes);
+  const Open written = encoded(writer);
   planes.depth = again.data();
   ASSERT_EQ(ldp_read_planes(written.get(), 0, &planes, nullptr), LDP_OK);
   EXPECT_EQ(again, depth);
@@ -281,12 +287,7 @@ TEST(Library, WhereTheGridHasOneDepthThatIsWritten) {
     ldp_planes planes = LDP_INIT(ldp_planes);
     planes.depth = depth.data(), planes.rgb = rgb.data();
     ASSERT_EQ(ldp_writer_add_layer(writer.get(), &planes, 0, nullptr), LDP_OK);
-    void* bytes = nullptr;
-    size_t count = 0;
-    ASSERT_EQ(ldp_writer_encode(writer.get(), 101, &bytes, &count, nullptr), LDP_OK);
-    const auto* const first = static_cast<uint8_t*>(bytes);
-    const Open written = open({first, first + count});
-    ldp_free(bytes);
+    const Open written = encoded(writer);
     planes.depth = again.data(), planes.disparity = disparity.data();
     ASSERT_EQ(ldp_read_planes(written.get(), 0, &planes, nullptr), LDP_OK);
     const float expected = static_cast<float>(1 / only);

@@ -31,7 +31,7 @@ constexpr double kRotationTolerance_rad = 0.1;  // Cauchy scale of disagreement 
 // Steps by their pairs alone (step_priors).
 constexpr double kStepSigmaShare = 0.2;  // deviation of their angle, of the angle
 constexpr double kLeastStep_rad = 0.01;  // which is no less
-constexpr double kMaxStepCost = 0.7;     // of RelativeRotation: half of the matches are off by the tolerance
+constexpr double kMaxStepCost = 0.7;     // of RelativeRotation: matches are off by the tolerance, in the mean
 
 // Outlier rejection among pairs (rotation_averaging.h).
 constexpr size_t kMatchesPerRotation = 100;     // that estimate a pair's rotation
