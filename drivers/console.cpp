@@ -3,19 +3,21 @@
 #include <sstream>
 #include <string>
 
+#include "core/base/markup_text.h"
+#include "core/geometry/degrees.h"
 #include "drivers/backends.h"
 #include "drivers/interface/standard_streams.h"
 
 namespace ldp {
 namespace {
 
-constexpr double kDegrees = 57.29577951308232;
-
 std::string rounded(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.0f", value);
   return text;
 }
+
+void put(const std::string& line) { say(printable(line)); }
 
 class ConsoleStatus final : public StatusChannel {
  public:
@@ -26,10 +28,10 @@ class ConsoleStatus final : public StatusChannel {
  private:
   void say(const Status& status) {
     const std::string line = std::string(name_of(status.phase)) + ": " + status.text;
-    if (line != last_status_) ldp::say(line);  // repeats every second are for the network
+    if (line != last_status_) put(line);  // repeats every second are for the network
     last_status_ = line;
     if (status.frames_stored != last_stored_ && status.frames_stored > 0) {
-      ldp::say("stored: " + std::to_string(status.frames_stored) + " frames");
+      put("stored: " + std::to_string(status.frames_stored) + " frames");
     }
     last_stored_ = status.frames_stored;
   }
@@ -37,25 +39,25 @@ class ConsoleStatus final : public StatusChannel {
   void say(const Progress& progress) {
     if (progress.stage == last_stage_) return;  // a line a stage; every step is for the network
     last_stage_ = progress.stage;
-    ldp::say("building " + progress.capture + ": " + progress.stage);
+    put("building " + progress.capture + ": " + progress.stage);
   }
 
   void say(const Guidance& guidance) {
     if (guidance.advice == last_advice_ && guidance.frames_chosen == last_frames_) return;
     last_advice_ = guidance.advice;
     last_frames_ = guidance.frames_chosen;
-    ldp::say("sweep: " + std::to_string(guidance.frames_chosen) + " frames, " +
-             rounded(guidance.covered_rad * kDegrees) + " degrees, " + name_of(guidance.advice));
+    put("sweep: " + std::to_string(guidance.frames_chosen) + " frames, " +
+        rounded(guidance.covered_rad * kDegreesPerRadian) + " degrees, " + name_of(guidance.advice));
   }
 
   void say(const Result& result) {
-    ldp::say((result.ok ? result.file : result.capture) + ": " + result.text);
+    put((result.ok ? result.file : result.capture) + ": " + result.text);
     if (result.verdict != Judgement::none) {
-      ldp::say(std::string(name_of(result.verdict)) + ": new views of about " + rounded(result.expected_view_psnr_db) +
-               " dB");
+      put(std::string(name_of(result.verdict)) + ": new views of about " + rounded(result.expected_view_psnr_db) +
+          " dB");
     }
     std::istringstream reasons(result.reasons);
-    for (std::string reason; std::getline(reasons, reason);) ldp::say("  " + reason);
+    for (std::string reason; std::getline(reasons, reason);) put("  " + reason);
     last_stage_.clear();
   }
 

@@ -15,6 +15,7 @@
 #include "drivers/interface/clocks.h"
 #include "drivers/interface/errors.h"
 #include "drivers/interface/ticker.h"
+#include "drivers/led_light.h"
 #include "drivers/led_pattern.h"
 
 namespace ldp {
@@ -309,34 +310,20 @@ class GpioLed final : public StatusChannel {
     } else {
       return;
     }
-    show(led_pattern(led_sign(said_)));
+    light_.show(led_pattern(led_sign(said_)));
   }
 
-  int fd() const override { return ticker_.fd(); }
+  int fd() const override { return light_.fd(); }
 
   std::optional<Command> read() override {
-    const auto passed = static_cast<int64_t>(ticker_.take_expirations());
-    const bool was_lit = is_lit(pattern_, step_);
-    step_ = (step_ + passed) % kLedSteps;
-    if (is_lit(pattern_, step_) != was_lit) line_.set(!was_lit);
+    light_.wake();
     return std::nullopt;
   }
 
  private:
-  void show(uint16_t pattern) {
-    if (pattern == pattern_) return line_.set(is_lit(pattern_, step_));  // only use tells that a line has gone away
-    pattern_ = pattern;
-    step_ = 0;
-    ticker_.stop();
-    line_.set(is_lit(pattern_, step_));
-    if (pattern_ != 0xFFFF) ticker_.start_at(monotonic_now_ns() + kLedStep_ns, kLedStep_ns);
-  }
-
   GpioLine line_;
-  Ticker ticker_;
+  LedLight light_{[this](bool lit) { line_.set(lit); }};
   LedSources said_;
-  uint16_t pattern_ = 0;
-  int64_t step_ = 0;
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "drivers/interface/status.h"
 
@@ -64,5 +65,13 @@ constexpr uint16_t led_pattern(LedSign sign) {
 }
 
 constexpr bool is_lit(uint16_t pattern, int64_t step) { return (pattern >> (step % kLedSteps) & 1) != 0; }
+
+// From this step to the next one that looks different; nothing where none does.
+constexpr std::optional<int> steps_to_change(uint16_t pattern, int64_t step) {
+  for (int steps = 1; steps < kLedSteps; ++steps) {
+    if (is_lit(pattern, step + steps) != is_lit(pattern, step)) return steps;
+  }
+  return std::nullopt;
+}
 
 }  // namespace ldp

@@ -28,7 +28,7 @@ void check_keyboard_button(const Url& url);
 std::unique_ptr<CameraDevice> open_folder_camera(const Url& url);
 
 // scene:NAME?frames=20&arc=180&width=800&height=600&noise=0&seed=1 and the options above: a sweep through a synthetic
-// scene. All frames are rendered when the camera is opened, which takes about a second of a core each.
+// scene. All frames are rendered by `prepare`, which takes about a second of a core each and is given up between two.
 std::unique_ptr<CameraDevice> open_scene_camera(const Url& url);
 
 // script:FILE: words press, release and wait MILLISECONDS, played once from opening on.

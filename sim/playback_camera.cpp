@@ -28,7 +28,12 @@ CameraMode PlaybackCamera::mode() const {
   return mode;
 }
 
+bool PlaybackCamera::prepare(const std::function<bool()>& give_up) {
+  return !playback_.prepare || playback_.prepare(give_up);
+}
+
 void PlaybackCamera::start() {
+  prepare([] { return false; });
   next_ = 0;
   const auto interval_ns = static_cast<int64_t>(1e9 / timing_.fps);
   ticker_.start_at(monotonic_now_ns() + interval_ns, interval_ns);

@@ -15,7 +15,8 @@ struct Playback {
   PixelFormat format = PixelFormat::mjpeg;
   int width = 0, height = 0;
   int64_t count = 0;
-  std::function<CameraFrame(int64_t index)> frame;  // picture, size and format; the rest is filled in
+  std::function<CameraFrame(int64_t index)> frame;                    // picture, size and format; the rest is filled in
+  std::function<bool(const std::function<bool()>& give_up)> prepare;  // as a camera's; none = nothing to do
 };
 
 class PlaybackCamera final : public CameraDevice {
@@ -34,6 +35,7 @@ class PlaybackCamera final : public CameraDevice {
 
   std::string name() const override { return playback_.name; }
   CameraMode mode() const override;
+  bool prepare(const std::function<bool()>& give_up) override;
   int fd() const override { return ticker_.fd(); }
   bool lock_exposure(bool) override { return true; }
   void start() override;

@@ -33,8 +33,8 @@ constexpr int kMostColourColumns = 2;  // of colour to one of depths, from 1
 
 // Its range of depths.
 constexpr double kLowestShare = 0.02;  // of the points, 0 .. 0.5: percentile of inverse depths taken as far and near
-// Points that three cameras agree on are hardly ever wrong: a few of them, nearer than the percentile, are something
-// near that has few points, such as a railing.
+// Points that three cameras agree on are hardly ever wrong: a few of them, beyond a percentile, are something that has
+// few points, such as a railing nearby, or a garden through a window.
 constexpr size_t kSureCameras = 3, kFewestSure = 8;  // cameras, from 2; points
 constexpr double kSureShare = 0.001;                 // of all points, and kFewestSure at least
 constexpr double kMargin = 1.15;         // factor of the nearest inverse depth, from 1, for what no point was found on

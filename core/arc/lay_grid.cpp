@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 
 #include "core/arc/arc.h"
 #include "core/arc/arc_tuning.h"
@@ -38,13 +39,17 @@ double nearest_depth(const Arc& arc, const std::vector<Camera>& cameras) {
   return 2 * stray;
 }
 
-// Inverse depth of the nearest thing that enough points surely lie on; 0 where there are not as many.
-double nearest_for_sure(std::vector<double>& sure, size_t points) {
+// Inverse depths of the farthest and the nearest thing that enough points surely lie on; none where there are not as
+// many.
+std::optional<InverseDepths> ends_for_sure(std::vector<double>& sure, size_t points) {
   const size_t fewest = std::max(kFewestSure, static_cast<size_t>(kSureShare * static_cast<double>(points)));
-  if (sure.size() < fewest) return 0;
-  const auto rank = sure.begin() + static_cast<std::ptrdiff_t>(fewest - 1);
-  std::nth_element(sure.begin(), rank, sure.end(), std::greater<>());
-  return *rank;
+  if (sure.size() < fewest) return std::nullopt;
+  const auto rank = static_cast<std::ptrdiff_t>(fewest - 1);
+  const auto at = [&](auto order) {
+    std::nth_element(sure.begin(), sure.begin() + rank, sure.end(), order);
+    return sure[fewest - 1];
+  };
+  return InverseDepths{at(std::less<>()), at(std::greater<>())};
 }
 
 // From the points where the options leave it open. Points inside the circle of the ray origins have no depth.
@@ -60,8 +65,10 @@ InverseDepths depth_range(const PanoramaGrid& grid, const std::vector<Camera>& c
   const double scale = length_scale(grid.arc);
   InverseDepths range{0, 1 / scale};
   if (!inverse.empty()) {
-    range.near = kMargin * std::max(percentile(inverse, 1 - kLowestShare), nearest_for_sure(sure, inverse.size()));
-    range.far = percentile(inverse, kLowestShare) / kMargin;
+    range = {percentile(inverse, kLowestShare), percentile(inverse, 1 - kLowestShare)};
+    if (const auto ends = ends_for_sure(sure, inverse.size()))
+      range = {std::min(range.far, ends->far), std::max(range.near, ends->near)};
+    range = {range.far / kMargin, range.near * kMargin};
     range.near = std::max(range.near, options.matched_near);
     range.near = std::min(range.near, 1 / std::max(nearest_depth(grid.arc, cameras), 1e-12));
     range.far = std::min(range.far, 0.5 * range.near);

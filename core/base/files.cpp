@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr mode_t kAsUmaskSays = 0666, kOwnerAlone = 0600;
+constexpr mode_t kAsUmaskSays = 0666, kOwnerAlone = 0600, kModes = 0777;
 
 [[noreturn]] void fail(const std::string& attempted, const fs::path& file) {
   throw std::system_error(errno, std::generic_category(), attempted + " " + file.string());
@@ -78,12 +78,13 @@ void write_all(const Descriptor& descriptor, std::span<const uint8_t> bytes, con
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
-fs::path beside(const fs::path& target) {
-  std::random_device random;
-  const uint64_t number = uint64_t{random()} << 32 | random();
-  std::string name = target.filename().string();
-  name.insert(name.begin(), '.');
-  return target.parent_path() / name.append(".").append(std::to_string(number)).append(".tmp");
+// Who may do what with it. Where a file system knows no owners or modes, there are none to keep; and only root gives
+// files away.
+void keep_access(const Descriptor& of_new, const fs::path& replaced) {
+  struct stat status {};
+  if (::stat(replaced.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return;
+  [[maybe_unused]] int kept = ::fchown(of_new.get(), status.st_uid, status.st_gid);
+  kept = ::fchmod(of_new.get(), status.st_mode & kModes);
 }
 
 std::span<const uint8_t> bytes_of(std::string_view text) {
@@ -142,15 +143,24 @@ void write_secret_file(const fs::path& file, std::string_view text) {
 void move_file(const fs::path& from, const fs::path& to) {
   const Descriptor descriptor(open_file(from, O_RDONLY));
   if (!descriptor.valid()) fail("cannot read", from);
+  keep_access(descriptor, to);
   if (flush(descriptor) != 0) fail("cannot flush", from);
   if (::rename(from.c_str(), to.c_str()) != 0) fail("cannot write", to);
   flush_folder(folder_of(to));
 }
 
+fs::path name_beside(const fs::path& target, std::string_view mark, std::string_view ending) {
+  std::random_device random;
+  const uint64_t number = uint64_t{random()} << 32 | random();
+  std::string name = ".";
+  name.append(target.filename().string()).append(mark).append(std::to_string(number)).append(ending);
+  return target.parent_path() / name;
+}
+
 PartialFile::PartialFile(const fs::path& target) {
   std::error_code error;
   target_ = fs::exists(target, error) ? fs::canonical(target) : target;
-  path_ = beside(target_);
+  path_ = name_beside(target_, ".", ".tmp");
 }
 
 PartialFile::~PartialFile() {
@@ -158,9 +168,12 @@ PartialFile::~PartialFile() {
 }
 
 void PartialFile::write(std::span<const uint8_t> bytes, bool secret) {
-  const Descriptor descriptor(open_file(path_, O_WRONLY | O_CREAT | O_EXCL, secret ? kOwnerAlone : kAsUmaskSays));
+  std::error_code error;
+  const bool is_for_few = secret || fs::exists(target_, error);  // until it is for those that the old one is for
+  const Descriptor descriptor(open_file(path_, O_WRONLY | O_CREAT | O_EXCL, is_for_few ? kOwnerAlone : kAsUmaskSays));
   if (!descriptor.valid()) fail("cannot write", target_);
   begun_ = true;
+  if (!secret) keep_access(descriptor, target_);
   write_all(descriptor, bytes, target_);
   if (flush(descriptor) != 0) fail("cannot write", target_);
 }

@@ -16,7 +16,8 @@ namespace ldp {
 
 std::vector<uint8_t> read_file(const std::filesystem::path& file);  // pipes and files of /proc too, to their end
 
-// Replaces the file or makes it; leaves nothing behind when it throws. Devices and pipes are written to directly.
+// Replaces the file, which keeps who may do what with it, or makes it; leaves nothing behind when it throws. Devices
+// and pipes are written to directly.
 void write_file(const std::filesystem::path& file, std::span<const uint8_t> bytes);
 void write_file(const std::filesystem::path& file, std::string_view text);
 
@@ -24,11 +25,16 @@ void write_file(const std::filesystem::path& file, std::string_view text);
 void write_secret_file(const std::filesystem::path& file, std::string_view text);
 
 // A file that another program has written takes its final name for good; both in one file system. What is at `to` is
-// replaced.
+// replaced, and keeps who may do what with it.
 void move_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
 // Makes names in a folder last through a power cut. False where the file system knows no such thing.
 bool flush_folder(const std::filesystem::path& folder);
+
+// Where a result takes shape: a hidden name beside its own, that no other program has, nor one that was killed (in
+// containers all have the same process number): ".NAME" + mark + a number + `ending`.
+std::filesystem::path name_beside(const std::filesystem::path& target, std::string_view mark,
+                                  std::string_view ending = {});
 
 // What write_file does, step by step: a file under a temporary name beside its own, gone again unless it is finished.
 class PartialFile {

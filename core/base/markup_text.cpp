@@ -1,5 +1,7 @@
 #include "core/base/markup_text.h"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 
 namespace ldp {
@@ -45,6 +47,25 @@ std::string utf8(std::string_view text) {
   return out;
 }
 
+std::string printable(std::string_view text) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string out;
+  while (!text.empty()) {
+    const Beginning of = beginning(static_cast<uint8_t>(text[0]));
+    const size_t sound = sound_bytes(text, of);
+    const bool is_control = of.length == 1 ? static_cast<uint8_t>(text[0]) < 0x20 || text[0] == 0x7F
+                                           : text[0] == '\xC2' && sound == 2 && static_cast<uint8_t>(text[1]) < 0xA0;
+    for (const char c : text.substr(0, sound)) {
+      if (is_control || sound != of.length)
+        out.append("\\x").append(1, kDigits[static_cast<uint8_t>(c) >> 4]).append(1, kDigits[c & 15]);
+      else
+        out += c;
+    }
+    text.remove_prefix(sound);
+  }
+  return out;
+}
+
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -68,6 +89,22 @@ std::string base64(std::span<const uint8_t> bytes) {
     uint32_t group = 0;
     for (size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? bytes[i + k] : 0);
     for (size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+std::string base85(std::span<const uint8_t> bytes) {
+  constexpr size_t kBytes = 4, kDigits = 5;
+  std::string text;
+  text.reserve((bytes.size() + kBytes - 1) / kBytes * kDigits);
+  for (size_t i = 0; i < bytes.size(); i += kBytes) {
+    const size_t here = std::min(kBytes, bytes.size() - i);
+    uint32_t group = 0;
+    for (size_t k = 0; k < kBytes; ++k) group = group << 8 | (k < here ? bytes[i + k] : 0);
+    std::array<char, kDigits> digits{};
+    for (size_t k = kDigits; k-- > 0; group /= 85) digits[k] = static_cast<char>('!' + group % 85);
+    std::replace(digits.begin(), digits.end(), '<', 'v');
+    text.append(digits.data(), here + 1);
   }
   return text;
 }

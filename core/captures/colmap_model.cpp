@@ -11,6 +11,7 @@
 
 #include "core/base/exact_math.h"
 #include "core/base/files.h"
+#include "core/captures/camera_bounds.h"
 #include "core/captures/transforms.h"
 #include "core/photos/images.h"
 
@@ -48,6 +49,9 @@ Intrinsics lens_of(size_t model, int64_t width, int64_t height, const std::vecto
   if (model == 3) k.k2 = p[4];
   if (model == 4) k.k1 = p[4], k.k2 = p[5], k.p1 = p[6], k.p2 = p[7];
   if (!(k.fx > 0) || !(k.fy > 0)) refuse(where, "focal lengths must be positive");
+  if (!has_usual_lengths(k))
+    refuse(where, "focal lengths and principal point must be at most 4096 times its longer side");
+  if (!has_usual_distortion(k)) refuse(where, "distortion must be at most 1e6");
   return k;
 }
 
@@ -62,6 +66,7 @@ Pose pose_of(const std::array<double, 7>& v, const std::string& where) {
       2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y);
   const Eigen::Vector3d t(v[4], v[5], v[6]);
   if (!t.allFinite()) refuse(where, "its translation must be finite numbers");
+  if (!is_near_enough(t)) refuse(where, "its translation must be at most 1e9");
   pose.centre = -exact_product(pose.world_from_camera, t);
   return pose;
 }

@@ -233,6 +233,8 @@ CaptureNotes read_capture_notes(const fs::path& folder, const std::string& shown
   CaptureNotes notes;
   const fs::path file = folder / "capture.json";
   if (!fs::exists(file)) return notes;
+  if (!fs::is_regular_file(file))
+    throw std::runtime_error(file.string() + ": is no regular file: remove it to do without");
   const std::vector<uint8_t> bytes = read_file(file);
   const auto json = nlohmann::json::parse(bytes, nullptr, false);
   const std::string name = shown.empty() ? file.string() : shown + ": capture.json";

@@ -1,6 +1,7 @@
 #include "core/captures/transforms.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "core/base/files.h"
 #include "core/base/markup_text.h"
+#include "core/captures/camera_bounds.h"
 #include "core/captures/json_fields.h"
 #include "core/captures/json_text.h"
 #include "core/captures/opengl_pose.h"
@@ -92,6 +94,8 @@ Intrinsics intrinsics_of(const FrameFields& fields) {
   k.k2 = fields.number("k2", 0);
   k.p1 = fields.number("p1", 0);
   k.p2 = fields.number("p2", 0);
+  if (!has_usual_lengths(k)) fields.refuse("fl_x, fl_y, cx and cy must be at most 4096 times w or h");
+  if (!has_usual_distortion(k)) fields.refuse("k1, k2, p1 and p2 must be at most 1e6");
   return k;
 }
 
@@ -114,6 +118,11 @@ Eigen::Matrix4d matrix_of(const Json& frame, const FrameFields& fields) {
 Pose pose_of(const Json& frame, const FrameFields& fields) {
   const Eigen::Matrix4d matrix = matrix_of(frame, fields);
   if (!matrix.allFinite()) fields.refuse("transform_matrix must hold finite numbers only");
+  constexpr double kRounding = 1e-6;
+  if ((matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > kRounding)
+    fields.refuse("transform_matrix must end with the row 0 0 0 1");
+  if (!is_near_enough(matrix.topRightCorner<3, 1>()))
+    fields.refuse("transform_matrix has its camera farther away than 1e9: check its position");
   const std::optional<Pose> pose = pose_of_opengl(matrix);
   if (!pose)
     fields.refuse(
@@ -131,13 +140,33 @@ std::string_view without_extension(std::string_view name) {
   return dot == std::string_view::npos || dot == 0 ? name : name.substr(0, dot);
 }
 
+// At that byte, where a parser stopped in a word; empty where it stopped behind one, as in a text that was cut short.
+std::string_view word_around(std::string_view text, size_t at) {
+  const auto is_letter = [&](size_t i) {
+    return i < text.size() && std::isalpha(static_cast<unsigned char>(text[i])) != 0;
+  };
+  if (!is_letter(at)) return {};
+  size_t begin = at, end = at;
+  while (begin > 0 && is_letter(begin - 1)) --begin;
+  while (is_letter(end)) ++end;
+  return text.substr(begin, end - begin);
+}
+
+// What Python writes for such numbers, and JSON has not.
+bool is_no_finite_number(std::string_view word) {
+  for (const std::string_view known : {"NaN", "nan", "Infinity", "inf"})
+    if (word == known) return true;
+  return false;
+}
+
 Camera camera_of(const Json& file, const Json& frame, const std::string& where) {
   if (!frame.is_object()) throw std::runtime_error(where + ": is not an object");
   const FrameFields fields(file, frame, where);
   const std::optional<std::string> path = text_field(frame, "file_path");
   if (!path) fields.refuse("file_path is missing");
   const std::string name = last_part(*path);
-  if (name.empty()) fields.refuse("file_path names no file");
+  if (name.empty() || name == "." || name == "..") fields.refuse("file_path names no file");
+  if (name.find('\0') != std::string::npos) fields.refuse("file_path holds a NUL, which no name of a file can");
   const FrameFields named(file, frame, where + " (" + name + ")");
   return {name, intrinsics_of(named), pose_of(frame, named)};
 }
@@ -176,9 +205,11 @@ std::vector<Camera> parse_transforms(std::string_view text, const std::string& n
     json = Json::parse(text);
   } catch (const Json::parse_error& error) {
     const std::string_view before = text.substr(0, std::min(error.byte > 0 ? error.byte - 1 : 0, text.size()));
-    throw std::runtime_error(name + ": not valid JSON in line " +
-                             std::to_string(1 + std::count(before.begin(), before.end(), '\n')) +
-                             ": was it cut short or edited by hand?");
+    const std::string line = std::to_string(1 + std::count(before.begin(), before.end(), '\n'));
+    const std::string word(word_around(text, before.size()));
+    if (is_no_finite_number(word))
+      throw std::runtime_error(name + ": " + word + " in line " + line + ": give finite numbers only");
+    throw std::runtime_error(name + ": not valid JSON in line " + line + ": was it cut short or edited by hand?");
   } catch (const Json::exception&) {
     throw std::runtime_error(name + ": not valid JSON: a number in it is too large");
   }

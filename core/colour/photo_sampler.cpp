@@ -12,7 +12,6 @@ namespace {
 
 constexpr int kSubpixels = 64;
 constexpr int kWeightSum = 1024;
-constexpr double kLeastForward = 0.1;  // forward * w of a voxel worth projecting
 
 using Weights = std::array<int, 4>;
 

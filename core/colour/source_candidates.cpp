@@ -14,7 +14,6 @@ using namespace tuning;
 
 constexpr double kCostPerDegree = 64;
 constexpr double kCostPerRadian = kCostPerDegree * 180 / std::numbers::pi;
-constexpr double kBehindCamera = 0.1;  // least forward * w of a voxel worth projecting
 constexpr int kColumnsAtOnce = 64;
 
 // Between four samples of a picture stored column by column.
@@ -72,7 +71,7 @@ void SourceCandidates::find_facing(int x) {
   std::vector<std::pair<double, uint16_t>> frames;
   for (size_t i = 0; i < projections_.size(); ++i) {
     const auto u = projections_[i].column(h);
-    const bool far = u.forward > kBehindCamera, near = projections_[i].forward(u, grid_.w_near) > kBehindCamera;
+    const bool far = u.forward > kLeastForward, near = projections_[i].forward(u, grid_.w_near) > kLeastForward;
     if (far || near) frames.emplace_back(std::abs(projections_[i].aside(h)), static_cast<uint16_t>(i));
   }
   std::sort(frames.begin(), frames.end());
@@ -105,7 +104,7 @@ SourceCandidates::Candidate SourceCandidates::candidate(uint16_t frame, int x, i
   const VoxelProjection& projection = projections_[frame];
   const auto u = projection.column(headings_[static_cast<size_t>(x)]);
   const double forward = projection.forward(u, w);
-  if (forward < kBehindCamera) return {};
+  if (forward < kLeastForward) return {};
   const UprightCamera& camera = frames_[frame].camera;
   const double right = projection.right(u, w), x_px = camera.focal * right / forward + camera.cx;
   if (!(x_px >= 0.5 && x_px < camera.width - 0.5)) return {};

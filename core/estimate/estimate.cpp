@@ -9,6 +9,7 @@
 #include "core/base/processor_time.h"
 #include "core/estimate/estimate_tuning.h"
 #include "core/estimate/small_frames.h"
+#include "core/pipeline/grid_layout.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/pipeline/pipeline_tuning.h"
 
@@ -51,7 +52,7 @@ Posed pose(const FrameSource& frames, const BuildOptions& options, const LdpEnco
 SmallBuild build_small(const Posed& posed, int64_t pixels, const Job& job) {
   SmallBuild small;
   double last = processor_seconds();
-  small.frames = std::make_unique<SmallFrames>(posed.frames, pixels, job);
+  small.frames = std::make_unique<SmallFrames>(posed.frames, posed.poses.frame_of_camera.front(), pixels, job);
   small.loading_s = lap(last);
   BuildOptions smaller = posed.options;
   smaller.memory_bytes = 0;
@@ -94,8 +95,9 @@ size_t file_bytes_of(const SmallBuild& small, double scale) {
   return static_cast<size_t>(bytes);
 }
 
-// What the build would hold, on a grid whose rows span `pitch` of those it would have without a limit of memory.
-ExpectedMemory memory_of(const SmallBuild& small, double scale, double pitch, int layers) {
+// What the build would ask for, on a grid whose rows span `pitch` of those it would have without a limit.
+GridNeeds needs_of(const SmallBuild& small, double pitch, const BuildOptions& options) {
+  const double scale = small.frames->scale();
   const LaidGrid& laid = small.result.report.laid;
   PanoramaGrid grid;
   grid.width = static_cast<int>(laid.width * scale / pitch),
@@ -103,7 +105,24 @@ ExpectedMemory memory_of(const SmallBuild& small, double scale, double pitch, in
   const double upright_px = static_cast<double>(laid.upright_px) * (scale / pitch) * (scale / pitch);
   const auto photo_px =
       static_cast<size_t>(small.frames->full_width()) * static_cast<size_t>(small.frames->full_height());
-  return expected_memory(grid, laid.columns_of_colour, photo_px, static_cast<size_t>(upright_px), layers);
+  const auto with = [&](int columns) {
+    return GridNeeds{grid.width * columns, grid.height,
+                     expected_memory(grid, columns, photo_px, static_cast<size_t>(upright_px), options.layers),
+                     !options.scratch_directory.empty()};
+  };
+  const GridNeeds needs = with(laid.columns_of_colour);
+  return fit_of(needs, options.memory_bytes) == GridFit::fits ? needs : with(1);
+}
+
+// By how much the build would lay its grid coarser.
+double pitch_of(const SmallBuild& small, const BuildOptions& options) {
+  double pitch = 1;
+  for (GridNeeds needs = needs_of(small, pitch, options); fit_of(needs, options.memory_bytes) != GridFit::fits;
+       needs = needs_of(small, pitch, options)) {
+    if (pitch > pipeline::kCoarsest) throw Impossible(why_impossible(needs, options.memory_bytes));
+    pitch *= pipeline::kCoarser;
+  }
+  return pitch;
 }
 
 }  // namespace
@@ -114,12 +133,8 @@ BuildEstimate estimate_build(const FrameSource& frames, const BuildOptions& opti
   const Posed posed = pose(frames, options, encoding, job);
   const SmallBuild small = build_as_small_as_possible(posed, job);
   const size_t allowed = options.memory_bytes > 0 ? options.memory_bytes : kEasyMemory;
-  double pitch = 1;
-  ExpectedMemory needed = memory_of(small, small.frames->scale(), pitch, options.layers);
-  while (options.memory_bytes > 0 && needed.least > allowed && pitch < pipeline::kCoarsest) {
-    pitch *= pipeline::kCoarser;
-    needed = memory_of(small, small.frames->scale(), pitch, options.layers);
-  }
+  const double pitch = pitch_of(small, options);
+  const ExpectedMemory needed = needs_of(small, pitch, options).memory;
   const double scale = small.frames->scale() / pitch;
   BuildEstimate estimate;
   estimate.processor_seconds = processor_seconds_of(small, posed.worked_s, scale);

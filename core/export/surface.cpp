@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <unordered_map>
 
-#include "core/geometry/same_surface.h"
+#include "core/view/tears.h"
 
 namespace ldp {
 namespace {
@@ -19,9 +19,12 @@ class SurfaceMaker {
       : layer_(layer),
         step_(part.step),
         tolerance_(part.tolerance),
+        connected_(view::joined_in_views(panorama.grid)),
         width_(panorama.grid.width),
         height_(panorama.grid.height),
-        wraps_(panorama.grid.wraps) {}
+        wraps_(panorama.grid.wraps) {
+    connected_.slack = std::max<double>(connected_.slack, kSurfaceSlope * step_);
+  }
 
   Surface run(int begin, int end, const Job& job) {
     const int last = wraps_ ? end : std::min(end, width_ - 1);
@@ -157,7 +160,7 @@ class SurfaceMaker {
 
   const Layer& layer_;
   int step_, tolerance_;
-  SurfaceTolerance<int> connected_{kSurfaceSlope * step_};
+  SurfaceTolerance<double> connected_;  // in steps of disparity
   int width_, height_;
   bool wraps_;
   Surface surface_;

@@ -1,5 +1,6 @@
-// A layer as a surface over the panorama's grid that tears where depth jumps, with few triangles: a quadtree of cells
-// over pixel centres, each a quad where inverse depth is bilinear to within a tolerance, split where not.
+// A layer as a surface over the panorama's grid that tears where views do (core/view/tears.h), with few triangles: a
+// quadtree of cells over pixel centres, each a quad where inverse depth is bilinear to within a tolerance, split where
+// not.
 //
 // Cells of different size meet with cracks below the tolerance, less than a pixel of parallax in the viewing space.
 #pragma once
@@ -14,7 +15,7 @@ namespace ldp {
 
 constexpr int kSurfaceLargestCell = 32;  // pixels a side
 constexpr int kSurfaceTolerance = 12;    // disparity steps at least: 0.3 % of the inverse-depth range
-constexpr int kSurfaceSlope = 40;        // what a slanted surface may change from pixel to pixel, in disparity steps
+constexpr int kSurfaceSlope = 40;        // a cell changes by no more from pixel to pixel, in disparity steps
 
 struct SurfaceVertex {
   float x_px = 0, y_px = 0;  // place on the grid, continuous (pixel centres at .5)

@@ -21,6 +21,8 @@
 
 namespace ldp {
 
+constexpr double kLeastForward = 0.1;  // times w: what is nearer to a camera than that is not looked for in its photo
+
 // How sines, axes and offsets are kept.
 enum class Rounding : uint8_t { none, snapped };  // snapped: to 2^-30
 

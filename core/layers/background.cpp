@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdlib>
+#include <vector>
 
 #include "core/layers/layers.h"
 #include "core/layers/neighbours.h"
@@ -57,6 +59,27 @@ void continue_background(const Plane<uint8_t>& want, const DisparityMap& surface
       if (d >= 0 && d + gap <= surface.at(x, y) && agrees) out = static_cast<uint16_t>(d);
     }
   }
+}
+
+void smooth_behind(const PanoramaGrid& grid, const DisparityMap& surface, int gap, int reach_px, const Job& job,
+                   DisparityMap& layer) {
+  const DisparityMap before = layer;
+  parallel_for(job, layer.width, [&](int x) {
+    std::vector<int> columns;
+    for (int i = -reach_px; i <= reach_px; ++i)
+      if (const int column = neighbour_column(grid, x + i); column >= 0) columns.push_back(column);
+    std::vector<uint16_t> around;
+    for (int y = 0; y < layer.height; ++y) {
+      if (before.at(x, y) == kNoDisparity) continue;
+      around.clear();
+      for (int row = std::max(0, y - reach_px); row <= std::min(layer.height - 1, y + reach_px); ++row)
+        for (const int column : columns)
+          if (const uint16_t d = before.at(column, row); d != kNoDisparity) around.push_back(d);
+      const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
+      std::nth_element(around.begin(), middle, around.end());
+      if (*middle + gap <= surface.at(x, y)) layer.at(x, y) = *middle;
+    }
+  });
 }
 
 void BoundaryCosts::read(const Window& window, uint8_t* cost, uint8_t* median) const {

@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <array>
-#include <optional>
 
 #include "core/layers/layers.h"
 #include "core/layers/line_of_sight.h"
@@ -23,28 +21,6 @@ void mark_boundary(const PanoramaGrid& grid, const DisparityMap& front, int gap,
         want.at(x, y) = kBoundary;
     }
 }
-
-// The voxels of one column at evenly spaced disparities, found when asked for.
-class ColumnOfVoxels {
- public:
-  static constexpr int kStep = kLabelSteps / 2;
-
-  ColumnOfVoxels(const PanoramaGrid& grid, const LinesOfSight& sight, int x)
-      : grid_(grid), sight_(sight), facing_(grid, sight, x) {}
-
-  bool is_seen(int disparity, double v) {
-    auto& columns = at_[static_cast<size_t>(disparity / kStep)];
-    if (!columns) find_voxel_columns(sight_, facing_, grid_.inverse_depth(disparity), columns.emplace());
-    return std::any_of(columns->begin(), columns->end(),
-                       [&](const VoxelColumn& c) { return falls_on_uncovered(c, v); });
-  }
-
- private:
-  const PanoramaGrid& grid_;
-  const LinesOfSight& sight_;
-  FacingCameras facing_;
-  std::array<std::optional<std::vector<VoxelColumn>>, kDisparitySteps / kStep + 1> at_;
-};
 
 // A row of a column of which it is not known yet whether it is wanted.
 constexpr int kSettled = -1;
@@ -85,31 +61,6 @@ Plane<uint8_t> wanted_behind(const PanoramaGrid& grid, const DisparityMap& front
   });
   mark_boundary(grid, front, gap, want);
   return want;
-}
-
-void move_to_visible(const PanoramaGrid& grid, const DisparityMap& front, int gap, const CameraViews& views,
-                     const Plane<uint8_t>& want, const Job& job, DisparityMap& layer) {
-  constexpr int kStep = ColumnOfVoxels::kStep;
-  const LinesOfSight sight(grid, views, job);
-  parallel_for(job, grid.width, [&](int x) {
-    ColumnOfVoxels voxels(grid, sight, x);
-    for (int y = 0; y < grid.height; ++y) {
-      if (want.at(x, y) != kWanted) continue;
-      const int farthest = front.at(x, y) - gap;
-      uint16_t& d = layer.at(x, y);
-      const int start = (std::min<int>(d == kNoDisparity ? 0 : d, farthest) + kStep / 2) / kStep * kStep;
-      const double v = grid.v(y + 0.5);
-      if (d <= farthest && voxels.is_seen(start, v)) continue;
-      for (int away = 0; away <= kDisparitySteps; away += kStep)
-        if (const int behind = start - away; behind >= 0 && behind <= farthest && voxels.is_seen(behind, v)) {
-          d = static_cast<uint16_t>(behind);
-          break;
-        } else if (const int nearer = start + away; nearer <= farthest && voxels.is_seen(nearer, v)) {
-          d = static_cast<uint16_t>(nearer);
-          break;
-        }
-    }
-  });
 }
 
 int drop_unseen(const PanoramaGrid& grid, const CameraViews& views, const Job& job, DisparityMap& layer) {

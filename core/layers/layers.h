@@ -44,7 +44,7 @@ void add_layer(const PanoramaGrid& grid, const DisparityMap& layer, const std::v
 
 // The farthest disparity within `reach_px` of each pixel: what is left of surfaces well inside their outlines, and so
 // surely hides what lies behind. (Windows of matching make near surfaces a few pixels too wide.)
-DisparityMap without_silhouettes(const DisparityMap& layer, int reach_px);
+DisparityMap without_silhouettes(const PanoramaGrid& grid, const DisparityMap& layer, int reach_px);
 
 enum Want : uint8_t { kUnwanted = 0, kWanted = 1, kBoundary = 2 };
 
@@ -63,10 +63,11 @@ int gap_steps(const PanoramaGrid& grid, const LayersOptions& options);
 // background's own disparity is not.)
 void continue_background(const Plane<uint8_t>& want, const DisparityMap& surface, int gap, DisparityMap& layer);
 
-// Moves wanted pixels that no camera sees at their disparity, or that have none, to the closest one behind `front` at
-// which one does.
-void move_to_visible(const PanoramaGrid& grid, const DisparityMap& front, int gap, const CameraViews& views,
-                     const Plane<uint8_t>& want, const Job& job, DisparityMap& layer);
+// Gives every pixel of a layer behind `surface` the median disparity of those of the layer within `reach_px` of it, up
+// and down and to the sides, where that lies behind the surface, too: few photos see what is hidden, and what is found
+// of it is noisy from row to row.
+void smooth_behind(const PanoramaGrid& grid, const DisparityMap& surface, int gap, int reach_px, const Job& job,
+                   DisparityMap& layer);
 
 // Removes from `layer` what no camera sees (pixels become kNoDisparity) and returns the number of pixels kept.
 int drop_unseen(const PanoramaGrid& grid, const CameraViews& views, const Job& job, DisparityMap& layer);

@@ -53,7 +53,7 @@ FacingCameras::FacingCameras(const PanoramaGrid& grid, const LinesOfSight& sight
     const auto u = projection.column(heading);
     const double forward[2] = {projection.forward(u, w[0]), projection.forward(u, w[1])};
     if (forward[0] < 0.09 && forward[1] < 0.09) continue;
-    if (forward[0] > 0.1 && forward[1] > 0.1) {  // then its place is monotonic in inverse depth
+    if (forward[0] > kLeastForward && forward[1] > kLeastForward) {  // then its place is monotonic in inverse depth
       const auto [first, last] = std::minmax({projection.x_px(u, w[0]), projection.x_px(u, w[1])});
       if (last < -1 || first > sight.frames[i].camera.width + 1) continue;
     }
@@ -68,7 +68,7 @@ void find_voxel_columns(const LinesOfSight& sight, const FacingCameras& facing, 
     const VoxelProjection& projection = sight.projections[i];
     const auto u = projection.column(facing.heading);
     const double forward = projection.forward(u, w);
-    if (forward < 0.1) continue;
+    if (forward < kLeastForward) continue;
     const double x_px = projection.x_px(u, w);
     if (!(x_px >= 0 && x_px < sight.frames[i].camera.width)) continue;
     const int column = static_cast<int>(x_px);

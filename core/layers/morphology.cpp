@@ -1,17 +1,33 @@
 // Greyscale erosion and translation of disparity.
 #include <algorithm>
+#include <cstddef>
+#include <vector>
 
 #include "core/layers/layers.h"
 #include "core/layers/neighbours.h"
 
 namespace ldp {
 
-DisparityMap without_silhouettes(const DisparityMap& layer, int reach_px) {
+namespace {
+
+// What stands beside the panorama: where it wraps its other end, else its edge.
+int column_beside(const PanoramaGrid& grid, int x) {
+  const int inside = layers::neighbour_column(grid, x);
+  return inside < 0 ? std::clamp(x, 0, grid.width - 1) : inside;
+}
+
+}  // namespace
+
+DisparityMap without_silhouettes(const PanoramaGrid& grid, const DisparityMap& layer, int reach_px) {
+  const int reach = std::min(reach_px, layer.width);
   DisparityMap rows = layer, both;
-  for (int y = 0; y < layer.height; ++y)
-    for (int x = 0; x < layer.width; ++x)
-      for (int at = std::max(0, x - reach_px); at < std::min(layer.width, x + reach_px + 1); ++at)
-        rows.at(x, y) = std::min(rows.at(x, y), layer.at(at, y));
+  const std::ptrdiff_t window = 2 * std::ptrdiff_t{reach} + 1;
+  std::vector<uint16_t> row(static_cast<size_t>(layer.width + 2 * reach));
+  for (int y = 0; y < layer.height; ++y) {
+    for (int x = -reach; x < layer.width + reach; ++x)
+      row[static_cast<size_t>(x + reach)] = layer.at(column_beside(grid, x), y);
+    for (int x = 0; x < layer.width; ++x) rows.at(x, y) = *std::min_element(row.begin() + x, row.begin() + x + window);
+  }
   both = rows;
   for (int y = 0; y < layer.height; ++y)
     for (int at = std::max(0, y - reach_px); at < std::min(layer.height, y + reach_px + 1); ++at)
@@ -23,8 +39,7 @@ DisparityMap without_silhouettes(const DisparityMap& layer, int reach_px) {
 DisparityMap shifted(const PanoramaGrid& grid, const DisparityMap& layer, int right, int down) {
   DisparityMap result(layer.width, layer.height);
   for (int x = 0; x < layer.width; ++x) {
-    const int inside = layers::neighbour_column(grid, x + right);
-    const int from = inside < 0 ? std::clamp(x + right, 0, layer.width - 1) : inside;
+    const int from = column_beside(grid, x + right);
     for (int y = 0; y < layer.height; ++y) result.at(x, y) = layer.at(from, std::clamp(y + down, 0, layer.height - 1));
   }
   return result;

@@ -126,17 +126,19 @@ class PixelSums {
 // just another surface.
 class Smoothness {
  public:
-  Smoothness(const Plane<uint8_t>& changes, const DisparityMap& layer, const DisparityMap& proposal, int most)
-      : changes_(changes), layer_(layer), proposal_(proposal), most_(most) {}
+  Smoothness(const PanoramaGrid& grid, const Plane<uint8_t>& changes, const DisparityMap& layer,
+             const DisparityMap& proposal, int most)
+      : grid_(grid), changes_(changes), layer_(layer), proposal_(proposal), most_(most) {}
 
-  // By how much smoother the layer gets at (x, y), inside it, if the pixel takes the proposal over, and its neighbours
-  // do that change likewise.
+  // By how much smoother the layer gets at (x, y), which has four neighbours, if the pixel takes the proposal over, and
+  // its neighbours do that change likewise.
   int gain(int x, int y) const {
     const uint8_t kind = changes_.at(y, x);
     int sum = 0;
     for (const auto& [right, down] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
-      const bool moves = changes_.at(y + down, x + right) == kind;
-      const int before = layer_.at(x + right, y + down), after = (moves ? proposal_ : layer_).at(x + right, y + down);
+      const int beside = neighbour_column(grid_, x + right);
+      const bool moves = changes_.at(y + down, beside) == kind;
+      const int before = layer_.at(beside, y + down), after = (moves ? proposal_ : layer_).at(beside, y + down);
       if (before == kNoDisparity) continue;
       sum += apart(layer_.at(x, y), before) - apart(proposal_.at(x, y), after);
     }
@@ -146,6 +148,7 @@ class Smoothness {
  private:
   int apart(int a, int b) const { return std::min(std::abs(a - b), most_); }
 
+  const PanoramaGrid& grid_;
   const Plane<uint8_t>& changes_;
   const DisparityMap &layer_, &proposal_;
   int most_;
@@ -157,8 +160,9 @@ class Smoothness {
 void add_smoothness(const PanoramaGrid& grid, const Plane<uint8_t>& changes, const DisparityMap& layer,
                     const DisparityMap& proposal, int roughness, Plane<int32_t>& gains) {
   const int most = std::max(1, static_cast<int>(parallax_steps(grid, kRoughApartPx)));
-  const Smoothness smoothness(changes, layer, proposal, most);
-  for (int x = 1; x + 1 < layer.width; ++x)
+  const Smoothness smoothness(grid, changes, layer, proposal, most);
+  const int edge = grid.wraps ? 0 : 1;
+  for (int x = edge; x + edge < layer.width; ++x)
     for (int y = 1; y + 1 < layer.height; ++y) {
       const uint8_t kind = changes.at(y, x);
       if (kind == kSame) continue;
@@ -172,20 +176,24 @@ void add_smoothness(const PanoramaGrid& grid, const Plane<uint8_t>& changes, con
 // Sums of gains over squares, of one kind of change.
 class SquareSums {
  public:
-  SquareSums(const Plane<int32_t>& gains, const Plane<uint8_t>& changes, Change kind, int reach_px, int enough)
-      : gains_(gains),
+  SquareSums(const PanoramaGrid& grid, const Plane<int32_t>& gains, const Plane<uint8_t>& changes, Change kind,
+             int reach_px, int enough)
+      : grid_(grid),
+        gains_(gains),
         changes_(changes),
         kind_(kind),
         reach_px_(reach_px),
+        across_px_(grid.wraps ? std::min(reach_px, (grid.width - 1) / 2) : reach_px),
         enough_(enough),
+        next_(-across_px_),
         rows_(static_cast<size_t>(gains.width), 0) {}
 
   // Calls use(y) for the pixels (x, y) of that kind around which the sum tells enough. For one x after the other, from
   // 0.
   template <class Use>
   void next(int x, Use use) {
-    for (; last_ < std::min(x + reach_px_ + 1, gains_.height); ++last_) add(last_, 1);
-    if (x > reach_px_) add(x - reach_px_ - 1, -1);
+    for (; next_ <= x + across_px_; ++next_) add(next_, 1);
+    if (x > 0) add(x - across_px_ - 1, -1);
     int64_t sum = 0;
     for (int y = 0; y < std::min(reach_px_, gains_.width); ++y) sum += rows_[static_cast<size_t>(y)];
     for (int y = 0; y < gains_.width; ++y) {
@@ -196,16 +204,21 @@ class SquareSums {
   }
 
  private:
-  void add(int x, int times) {
+  void add(int beside, int times) {
+    const int x = neighbour_column(grid_, beside);
+    if (x < 0) return;
     for (int y = 0; y < gains_.width; ++y)
       if (changes_.at(y, x) == kind_) rows_[static_cast<size_t>(y)] += int64_t{times} * gains_.at(y, x);
   }
 
+  const PanoramaGrid& grid_;
   const Plane<int32_t>& gains_;
   const Plane<uint8_t>& changes_;
   Change kind_;
-  int reach_px_, enough_, last_ = 0;  // columns below this have been added
-  std::vector<int64_t> rows_;         // of the columns within reach
+  int reach_px_, across_px_;  // up and down; to the sides, where all round counts once
+  int enough_;
+  int next_;                   // columns below this have been added
+  std::vector<int64_t> rows_;  // of the columns within reach
 };
 
 }  // namespace
@@ -223,7 +236,7 @@ void ProposalFusion::fuse(const DisparityMap& proposal, int reach_px, const Job&
   Plane<int32_t> gain = gains(change, layer, proposal, job);
   add_smoothness(grid_, change, layer, proposal, tuning::kRoughness / columns_apart_, gain);
   for (const Change kind : {kNearer, kFarther}) {
-    SquareSums sums(gain, change, kind, reach_px, tuning::kPreferred / columns_apart_);
+    SquareSums sums(grid_, gain, change, kind, reach_px, tuning::kPreferred / columns_apart_);
     for (int x = 0; x < layer.width; ++x) sums.next(x, [&](int y) { layer.at(x, y) = proposal.at(x, y); });
   }
 }

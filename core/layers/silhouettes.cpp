@@ -63,7 +63,7 @@ class OutlineFitter {
   std::vector<uint16_t> cameras_at(Heading h) const {
     std::vector<std::pair<double, uint16_t>> sorted;
     for (size_t i = 0; i < projections_.size(); ++i)
-      if (projections_[i].column(h).forward > 0.1)
+      if (projections_[i].column(h).forward > kLeastForward)
         sorted.emplace_back(std::abs(projections_[i].aside(h)), static_cast<uint16_t>(i));
     std::sort(sorted.begin(), sorted.end());
     std::vector<uint16_t> cameras;
@@ -173,7 +173,7 @@ class OutlineFitter {
     const VoxelProjection& projection = projections_[camera];
     const auto u = projection.column(headings_[static_cast<size_t>(x)]);
     const double forward = projection.forward(u, w);
-    if (forward < 0.1) return {};
+    if (forward < kLeastForward) return {};
     const double x_px = projection.x_px(u, w) - 0.5;
     if (!(x_px >= 0 && x_px < frames_[camera].camera.width - 1)) return {};
     const int x64 = static_cast<int>(x_px * 64);

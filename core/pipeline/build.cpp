@@ -132,7 +132,7 @@ class Build {
   std::vector<VisibilityMap> sure_visibility() {
     std::vector<VisibilityMap> maps;
     if (layers_.empty()) return maps;
-    add_layer(grid_, without_silhouettes(layers_[0], kSilhouettePx), upright_, {}, job_, maps);
+    add_layer(grid_, without_silhouettes(grid_, layers_[0], kSilhouettePx), upright_, {}, job_, maps);
     watch_.lap("visibility");
     return maps;
   }
@@ -180,7 +180,7 @@ class Build {
     }
     fusion.fuse(over(std::exchange(unsmoothed_, {}), layer), kPropagationReachPx, job_, layer);
     for (const int px : effort_.background_px)
-      fusion.fuse(without_silhouettes(layer, px), kPropagationReachPx, job_, layer);
+      fusion.fuse(without_silhouettes(grid_, layer, px), kPropagationReachPx, job_, layer);
     for (const int px : effort_.propagation_px)
       for (const auto& [right, down] : {std::pair(px, 0), {-px, 0}, {0, px}, {0, -px}})
         fusion.fuse(shifted(grid_, layer, right, down), kPropagationReachPx, job_, layer);
@@ -213,7 +213,7 @@ class Build {
     }
     continue_background(want, surface, gap, layer);
     watch_.lap("refine");
-    move_to_visible(grid_, surface, gap, {upright_, visibility_}, want, job_, layer);
+    smooth_behind(grid_, surface, gap, kBehindMedianPx, job_, layer);
     drop_unseen(grid_, {upright_, visibility_}, job_, layer);
     watch_.lap("visibility");
     return layer;

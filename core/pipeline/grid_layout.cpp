@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/panorama/file/ldp_file.h"
 #include "core/pipeline/pipeline_tuning.h"
 #include "core/rectify/rectify.h"
 #include "core/sweep/cost_volume.h"
@@ -26,6 +27,20 @@ std::string in_short(double value) {
 
 }  // namespace
 
+GridFit fit_of(const GridNeeds& needs, size_t memory_bytes) {
+  if (!fits_ldp(needs.width, needs.height)) return GridFit::too_large_for_a_file;
+  const size_t needed = needs.scratch ? needs.memory.least : needs.memory.all;
+  return memory_bytes == 0 || needed <= memory_bytes ? GridFit::fits : GridFit::too_large_for_memory;
+}
+
+std::string why_impossible(const GridNeeds& needs, size_t memory_bytes) {
+  if (fit_of(needs, memory_bytes) == GridFit::too_large_for_a_file)
+    return "the panorama would have at least " + std::to_string(needs.width) + " x " + std::to_string(needs.height) +
+           " pixels, more than a file holds: use smaller or fewer photos";
+  return "this sweep needs at least " + mebibytes(needs.scratch ? needs.memory.least : needs.memory.all) +
+         " of memory, " + mebibytes(memory_bytes) + " are allowed (memory_bytes): allow more or use smaller photos";
+}
+
 bool has_parallax(const Poses& poses) { return poses.report.motion != Motion::rotation; }
 
 GridLayout::GridLayout(const Poses& poses, const ArcFit& fit, const BuildOptions& options,
@@ -46,29 +61,40 @@ GridLayout::GridLayout(const Poses& poses, const ArcFit& fit, const BuildOptions
 
 void GridLayout::lay_finest() {
   const double finest = wanted_.pitch_px;
-  while (!lay(wanted_)) {
-    if (wanted_.pitch_px > kCoarsest * finest)
-      throw Impossible("this sweep needs at least " + mebibytes(scratch_ ? needed_.least : needed_.all) +
-                       " of memory, " + mebibytes(options_.memory_bytes) +
-                       " are allowed (memory_bytes): allow more or use smaller photos");
+  GridFit last = GridFit::fits;
+  for (GridFit fit = lay(wanted_); fit != GridFit::fits; fit = lay(wanted_)) {
+    if (wanted_.pitch_px > kCoarsest * finest) throw Impossible(why_impossible(needs_, options_.memory_bytes));
     wanted_.pitch_px *= kCoarser;
+    last = fit;
   }
-  if (wanted_.pitch_px > finest)
-    notes_.push_back("to fit the memory allowed, a row of the panorama spans " +
-                     std::to_string(wanted_.pitch_px).substr(0, 4) + " of the photos'");
+  if (last == GridFit::fits) return;
+  notes_.push_back(std::string("to fit ") + (last == GridFit::too_large_for_memory ? "the memory allowed" : "a file") +
+                   ", a row of the panorama spans " + std::to_string(wanted_.pitch_px).substr(0, 4) +
+                   " of the photos'");
 }
 
-// Whether the grid fits the memory allowed; what does not fit goes to files where it may.
-bool GridLayout::lay(const GridOptions& wanted) {
+// A second column of colour is worth less than finer depths.
+GridFit GridLayout::lay(const GridOptions& wanted) {
+  grid_ = lay_grid(arc_, poses_.cameras, poses_.points, wanted);
+  columns_of_colour_ = ldp::columns_of_colour(grid_, poses_.cameras, poses_.points);
+  GridFit fit = fit_laid(wanted);
+  if (fit != GridFit::fits && std::exchange(columns_of_colour_, 1) > 1) fit = fit_laid(wanted);
+  return fit;
+}
+
+// What does not fit the memory allowed goes to files where it may.
+GridFit GridLayout::fit_laid(const GridOptions& wanted) {
   const size_t allowed = options_.memory_bytes > 0 ? options_.memory_bytes : kEasyMemory;
   const Intrinsics& k = poses_.cameras.front().intrinsics;
   const size_t photo_px = static_cast<size_t>(k.width) * static_cast<size_t>(k.height);
-  grid_ = lay_grid(arc_, poses_.cameras, poses_.points, wanted);
-  columns_of_colour_ = ldp::columns_of_colour(grid_, poses_.cameras, poses_.points);
-  needed_ = expected_memory(grid_, columns_of_colour_, photo_px, upright_pixels(poses_.cameras, arc_, wanted.pitch_px),
-                            options_.layers);
-  if (needed_.all > allowed && !std::exchange(tried_scratch_, true)) open_scratch(allowed);
-  return options_.memory_bytes == 0 || (scratch_ ? needed_.least : needed_.all) <= allowed;
+  needs_ = {grid_.width * columns_of_colour_, grid_.height,
+            expected_memory(grid_, columns_of_colour_, photo_px, upright_pixels(poses_.cameras, arc_, wanted.pitch_px),
+                            options_.layers),
+            false};
+  if (!fits_ldp(needs_.width, needs_.height)) return GridFit::too_large_for_a_file;
+  if (needs_.memory.all > allowed && !std::exchange(tried_scratch_, true)) open_scratch(allowed);
+  needs_.scratch = scratch_ != nullptr;
+  return fit_of(needs_, options_.memory_bytes);
 }
 
 void GridLayout::open_scratch(size_t allowed) {
@@ -99,7 +125,7 @@ void GridLayout::take_in_what_is_nearer(const std::vector<UprightFrame>& upright
   GridOptions wider = wanted_;
   wider.matched_near = matched_near(upright, grid_, job);
   tried_scratch_ = true;  // files cannot take the upright frames any more
-  if (wider.matched_near > grid_.w_near && !lay(wider)) grid_ = laid, columns_of_colour_ = columns_laid;
+  if (wider.matched_near > grid_.w_near && lay(wider) != GridFit::fits) grid_ = laid, columns_of_colour_ = columns_laid;
 }
 
 }  // namespace ldp

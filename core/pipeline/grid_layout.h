@@ -1,4 +1,5 @@
-// The grid of a build: the finest that fits the memory allowed, and the scratch space where that is not enough.
+// The grid of a build: the finest that fits the memory allowed and a file, and the scratch space where memory is not
+// enough.
 #pragma once
 
 #include <memory>
@@ -15,6 +16,18 @@ namespace ldp {
 
 // Whether the photos were taken from more than one place.
 bool has_parallax(const Poses& poses);
+
+// What a grid asks for.
+struct GridNeeds {
+  int width = 0, height = 0;  // of the panorama: with the columns of colour
+  ExpectedMemory memory;
+  bool scratch = false;  // large arrays may live in files
+};
+
+enum class GridFit : uint8_t { fits, too_large_for_a_file, too_large_for_memory };
+GridFit fit_of(const GridNeeds& needs, size_t memory_bytes);  // 0 = no limit
+// Why a grid that does not fit, however coarse, is the end.
+std::string why_impossible(const GridNeeds& needs, size_t memory_bytes);
 
 class GridLayout {
  public:
@@ -35,7 +48,8 @@ class GridLayout {
  private:
   void lay_finest();
   void check_range() const;
-  bool lay(const GridOptions& wanted);
+  GridFit lay(const GridOptions& wanted);
+  GridFit fit_laid(const GridOptions& wanted);
   void open_scratch(size_t allowed);
 
   const Poses& poses_;
@@ -45,7 +59,7 @@ class GridLayout {
   GridOptions wanted_;
   PanoramaGrid grid_;
   int columns_of_colour_ = 1;
-  ExpectedMemory needed_;  // for the grid laid last
+  GridNeeds needs_;  // of the grid laid last
   bool tried_scratch_ = false;
   std::unique_ptr<ScratchSpace> scratch_;
 };

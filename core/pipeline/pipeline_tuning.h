@@ -23,7 +23,8 @@ constexpr double kKnownPx = 2.5;
 // What lies less behind the surface in front of it is not kept: within the viewing space it shows by half as much, as a
 // rim that a renderer gets by letting the background go on underneath.
 constexpr double kSeparatePx = 10;
-constexpr int kSpeckPx = 8;  // parts of layers behind that hold fewer pixels are not kept
+constexpr int kBehindMedianPx = 3;  // layers behind are smoothed over squares that reach so far from each pixel
+constexpr int kSpeckPx = 8;         // parts of layers behind that hold fewer pixels are not kept
 // The photographs choose between depth maps by what changes within so many pixels: between those of two iterations, and
 // between the surface of a pixel and others around it (effort.h).
 constexpr int kIterationsReachPx = 12, kPropagationReachPx = 1;

@@ -12,10 +12,9 @@ namespace {
 
 using namespace pipeline;  // tuned constants
 
-constexpr int kFewestCells = 8;        // in a row or column
-constexpr int kCellPx = 4;             // columns and rows of the grid to one of cells
-constexpr int kBeside = 1;             // cells around what is seen that may be
-constexpr double kBehindCamera = 0.1;  // least forward * w of a voxel worth projecting
+constexpr int kFewestCells = 8;  // in a row or column
+constexpr int kCellPx = 4;       // columns and rows of the grid to one of cells
+constexpr int kBeside = 1;       // cells around what is seen that may be
 
 PanoramaGrid coarser(const PanoramaGrid& grid) {
   PanoramaGrid coarse = grid;
@@ -47,7 +46,7 @@ class ColumnsSeen {
     const VoxelProjection& projection = projections_[k];
     const double w = grid_.inverse_depth(1.0 * label * kDisparitySteps / (kLabels - 1)),
                  forward = projection.forward(u, w);
-    if (forward < kBehindCamera) return;
+    if (forward < kLeastForward) return;
     const double x_px = projection.x_px(u, w);
     if (!(x_px >= 0 && x_px < upright_[k].camera.width)) return;
     const auto column = static_cast<size_t>(x_px);

@@ -48,16 +48,27 @@ void match_all(const std::vector<Frame>& frames, std::vector<PairMatches>& pairs
   });
 }
 
+// The size that most frames have; the others cannot share a lens with them.
+std::pair<int, int> common_size(const std::vector<Frame>& frames) {
+  std::map<std::pair<int, int>, int> counts;
+  for (const Frame& frame : frames) ++counts[{frame.features.width, frame.features.height}];
+  return std::max_element(counts.begin(), counts.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+// From what is told of the frames that are of that size.
 std::optional<FocalPrior> focal_prior(const std::vector<Frame>& frames, const PosesOptions& options) {
-  const Features& first = frames.front().features;
-  if (options.fov_rad) return FocalPrior{0.5 * first.width / std::tan(0.5 * *options.fov_rad), kFovLogSigma};
+  const auto [width, height] = common_size(frames);
+  if (options.fov_rad) return FocalPrior{0.5 * width / std::tan(0.5 * *options.fov_rad), kFovLogSigma};
   std::vector<double> hints;
   for (const Frame& frame : frames) {
-    if (frame.focal_hint) hints.push_back(*frame.focal_hint);
+    const bool common = frame.features.width == width && frame.features.height == height;
+    if (common && frame.focal_hint) hints.push_back(*frame.focal_hint);
   }
   if (hints.empty()) return std::nullopt;
   std::nth_element(hints.begin(), hints.begin() + static_cast<std::ptrdiff_t>(hints.size() / 2), hints.end());
-  return FocalPrior{hints[hints.size() / 2] * std::max(first.width, first.height), kExifLogSigma};
+  return FocalPrior{hints[hints.size() / 2] * std::max(width, height), kExifLogSigma};
 }
 
 // World z up: perpendicular to the cameras' right axes, as far as they agree, and to where they look on the whole.
@@ -98,15 +109,6 @@ void check(const PosesOptions& options) {
   }
   if (!(options.arm_length > 0))
     throw std::logic_error("arm_length must be positive, got " + std::to_string(options.arm_length));
-}
-
-// The size that most frames have; the others cannot share a lens with them.
-std::pair<int, int> common_size(const std::vector<Frame>& frames) {
-  std::map<std::pair<int, int>, int> counts;
-  for (const Frame& frame : frames) ++counts[{frame.features.width, frame.features.height}];
-  return std::max_element(counts.begin(), counts.end(),
-                          [](const auto& a, const auto& b) { return a.second < b.second; })
-      ->first;
 }
 
 // A camera that stood still, or a photo stored twice: a step of no length.

@@ -10,7 +10,7 @@ namespace {
 
 using namespace tuning;
 
-constexpr double kLeastForward = 1e-3;  // forward * w of a voxel worth projecting
+constexpr double kInFront = 1e-3;  // forward * w of a voxel worth projecting
 constexpr double kLargestRow = 1 << 20;
 constexpr int kHidesNothing = 65535;  // the nearest that a surface can be
 
@@ -73,7 +73,7 @@ bool LineTable::make_line(size_t view, Heading outward, double w, Line& line) co
   const UprightCamera& camera = frame.camera;
   const VoxelProjection::Column u = projection.column(outward);
   const double forward = projection.forward(u, w);
-  if (forward <= kLeastForward) return false;
+  if (forward <= kInFront) return false;
   const double scale = camera.focal / forward;
   const double x_px = (scale * projection.right(u, w) + camera.cx - 0.5) * kernels::kWeightOne + 0.5;
   if (!(x_px >= 0 && x_px < (camera.width - 1) * static_cast<double>(kernels::kWeightOne))) return false;

@@ -94,8 +94,8 @@ MotionMeasures motion_of(const SweepEvidence& evidence) {
     outward += photo.outward, all += photo.sideward;
     forward += photo.forward, way += photo.step;
     squares += photo.parallax_squares, points += photo.parallax_points;
-    if (photo.shift <= 0) continue;
-    shift += photo.shift;
+    if (photo.far_shift <= 0) continue;
+    shift += photo.far_shift;
     turn += photo.turn_deg / evidence.field_deg;
   }
   MotionMeasures motion;

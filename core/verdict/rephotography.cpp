@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
 
 #include "core/base/exact_math.h"
+#include "core/geometry/degrees.h"
 #include "core/verdict/photo_measures.h"
 
 namespace ldp {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr uint8_t kHoleGrey = 127;
 constexpr int kBandRows = 32;     // that are compared at once, a multiple of kStride
 constexpr int kStride = 2;        // of the pixels that are compared with the photograph beside
@@ -128,7 +127,7 @@ class Rephotography::Columns {
       const Eigen::Vector3d f = camera.pose.world_from_camera.col(2);
       const double across = exact_dot(f, grid.arc.world_from_arc.col(1)),
                    along = exact_dot(f, grid.arc.world_from_arc.col(0));
-      double theta = std::atan2(across, along) * kDegrees;
+      double theta = std::atan2(across, along) * kDegreesPerRadian;
       if (!heading_.empty()) theta += 360 * std::round((before - theta) / 360);
       before = theta;
       heading_.push_back(theta);
@@ -166,7 +165,7 @@ class Rephotography::Columns {
 
  private:
   double degrees(size_t camera, const Intrinsics& k, double x) const {
-    return rounded(heading_[camera] - sense_ * std::atan((x - k.cx) / k.fx) * kDegrees, 8);
+    return rounded(heading_[camera] - sense_ * std::atan((x - k.cx) / k.fx) * kDegreesPerRadian, 8);
   }
 
   std::vector<double> heading_;
@@ -186,7 +185,7 @@ Rephotography::Rephotography(const PanoramaGrid& grid, const std::vector<Camera>
     : job_(job), evidence_(evidence), columns_(std::make_unique<Columns>(grid, cameras)) {
   evidence.first_deg = columns_->first_deg();
   const Intrinsics& lens = cameras.front().intrinsics;
-  evidence.field_deg = rounded(2 * std::atan(0.5 * lens.width / lens.fx) * kDegrees, 8);
+  evidence.field_deg = rounded(2 * std::atan(0.5 * lens.width / lens.fx) * kDegreesPerRadian, 8);
   evidence.photos.resize(cameras.size());
   for (size_t i = 0; i < cameras.size(); ++i) {
     PhotoEvidence& photo = evidence.photos[i];

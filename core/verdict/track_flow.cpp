@@ -3,34 +3,38 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/base/exact_math.h"
+#include "core/geometry/degrees.h"
 
 namespace ldp {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr size_t kFewest = 8;  // points from which their flow is told
-constexpr int kReach = 3;      // photographs before, for parallax: what is far moves little from one to the next
+constexpr size_t kFewest = 8;        // points from which their flow is told
+constexpr size_t kFarthestPart = 4;  // of the points, 1 .. kFewest: the part whose shift is taken for the turn's
+constexpr int kReach = 3;            // photographs before, for parallax: what is far moves little from one to the next
 
 struct Matched {
   std::vector<Eigen::Vector2d> before, after;  // pixels
+  std::vector<double> squared_distance;        // from the camera after
 };
 
 using Pairs = std::vector<Matched>;  // of each camera, with the one `reach` before
 
 Pairs pairs_of(const std::vector<ScenePoint>& points, const std::vector<std::vector<Eigen::Vector2d>>& sightings,
-               size_t cameras, int reach) {
-  Pairs pairs(cameras);
+               const std::vector<Camera>& cameras, int reach) {
+  Pairs pairs(cameras.size());
   for (size_t p = 0; p < points.size(); ++p) {
     const std::vector<int>& seen = points[p].cameras;
     for (size_t i = 0; i < seen.size(); ++i) {
       const auto before = std::find(seen.begin(), seen.end(), seen[i] - reach);
       if (before == seen.end()) continue;
-      Matched& pair = pairs[static_cast<size_t>(seen[i])];
+      const auto camera = static_cast<size_t>(seen[i]);
+      Matched& pair = pairs[camera];
       pair.before.push_back(sightings[p][static_cast<size_t>(before - seen.begin())]);
       pair.after.push_back(sightings[p][i]);
+      const Eigen::Vector3d sight = points[p].position - cameras[camera].pose.centre;
+      pair.squared_distance.push_back(exact_dot(sight, sight));
     }
   }
   return pairs;
@@ -43,6 +47,20 @@ double mean_shift(const Matched& pair) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (size_t i = 0; i < pair.before.size(); ++i) sum += pair.after[i] - pair.before[i];
   return length(sum) / static_cast<double>(pair.before.size());
+}
+
+// Those of the points that are farthest: steps shift them least.
+Matched farthest_of(const Matched& pair) {
+  std::vector<double> sorted = pair.squared_distance;
+  const auto rank = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() - sorted.size() / kFarthestPart);
+  std::nth_element(sorted.begin(), rank, sorted.end());
+  Matched farthest;
+  for (size_t i = 0; i < pair.before.size(); ++i) {
+    if (pair.squared_distance[i] < *rank) continue;
+    farthest.before.push_back(pair.before[i]);
+    farthest.after.push_back(pair.after[i]);
+  }
+  return farthest;
 }
 
 // Flow of normalised image positions that the cameras' turns leave, and then any small turn that explains most of it.
@@ -101,7 +119,8 @@ void measure_step(const Pose& before, const Pose& after, PhotoEvidence& photo) {
     const Eigen::Vector3d d = after.world_from_camera.col(axis) - before.world_from_camera.col(axis);
     apart += exact_dot(d, d);
   }
-  photo.turn_deg = rounded(2 * std::atan2(std::sqrt(apart), std::sqrt(std::max(0.0, 8 - apart))) * kDegrees, 8);
+  photo.turn_deg =
+      rounded(2 * std::atan2(std::sqrt(apart), std::sqrt(std::max(0.0, 8 - apart))) * kDegreesPerRadian, 8);
   const Eigen::Vector3d middle = before.world_from_camera.col(2) + after.world_from_camera.col(2);
   const Eigen::Vector3d way = after.centre - before.centre;
   photo.step = length(way);
@@ -112,16 +131,17 @@ void measure_step(const Pose& before, const Pose& after, PhotoEvidence& photo) {
 
 void measure_flow(const std::vector<ScenePoint>& points, const std::vector<std::vector<Eigen::Vector2d>>& sightings,
                   const std::vector<Camera>& cameras, SweepEvidence& evidence) {
-  const Pairs neighbours = pairs_of(points, sightings, cameras.size(), 1);
+  const Pairs neighbours = pairs_of(points, sightings, cameras, 1);
   for (size_t i = 1; i < cameras.size(); ++i) {
     PhotoEvidence& photo = evidence.photos[i];
     measure_step(cameras[i - 1].pose, cameras[i].pose, photo);
     photo.shared_points = static_cast<int>(neighbours[i].before.size());
     if (neighbours[i].before.size() < kFewest) continue;
     photo.shift = mean_shift(neighbours[i]) / cameras[i].intrinsics.width;
+    photo.far_shift = mean_shift(farthest_of(neighbours[i])) / cameras[i].intrinsics.width;
     LeftOver(neighbours[i], cameras[i - 1], cameras[i]).add_to(photo);
   }
-  const Pairs apart = pairs_of(points, sightings, cameras.size(), kReach);
+  const Pairs apart = pairs_of(points, sightings, cameras, kReach);
   for (size_t i = kReach; i < cameras.size(); ++i)
     if (apart[i].before.size() >= kFewest)
       LeftOver(apart[i], cameras[i - kReach], cameras[i]).add_to(evidence.photos[i]);

@@ -5,9 +5,9 @@ namespace ldp::view {
 
 // Surfaces (prepared_layer.h). What a slanted one may change from one pixel to the next: a share of its inverse depth
 // (a surface seen at 88.5 degrees from its normal; 0.005 .. 0.05) plus this many pixels of parallax over one arc radius
-// (0.5 .. 3).
+// (0.5 .. 12).
 constexpr float kSlant = 0.02F;
-constexpr double kParallaxPx = 1.5;
+constexpr double kParallaxPx = 6;
 
 // Smoothing of codes (code_smoother.h).
 constexpr float kFineShare = 0.1F;  // of a surface's parallax, below which steps do not show; 0 .. 1

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <thread>
 
 #include "core/base/files.h"
@@ -17,6 +18,7 @@
 #include "core/captures/json_text.h"
 #include "device/capture/capture_tuning.h"
 #include "device/capture/log.h"
+#include "device/capture/sweep_name.h"
 #include "drivers/interface/clocks.h"
 #include "drivers/interface/errors.h"
 
@@ -26,20 +28,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kPrefix = "sweep_";
-constexpr long kMostSweeps = 999'999'999;  // nine digits
-
-std::optional<int> number_of(const std::string& name) {
-  if (!name.starts_with(kPrefix)) return std::nullopt;
-  const std::string digits = name.substr(std::char_traits<char>::length(kPrefix));
-  const bool good =
-      digits.size() >= 6 && digits.size() <= 9 && digits.find_first_not_of("0123456789") == std::string::npos;
-  return good ? std::optional(std::stoi(digits)) : std::nullopt;
-}
-
 std::string name_from(int number) {
   char text[32];
-  std::snprintf(text, sizeof text, "%s%06d", kPrefix, number);
+  std::snprintf(text, sizeof text, "%s%06d", kSweepPrefix.data(), number);
   return text;
 }
 
@@ -111,7 +102,7 @@ std::string capture_json(const CaptureRecord& record) {
   json["height"] = record.height;
   json["pixel_format"] = record.pixel_format;
   json["arm_length"] = record.arm_length_m;
-  if (record.fov_rad) json["fov_degrees"] = *record.fov_rad * 57.29577951308232;
+  if (record.fov_rad) json["fov_degrees"] = *record.fov_rad * (180 / std::numbers::pi);
   json["exposure_locked"] = record.exposure_locked;
   json["begin_utc"] = utc(record.begin_utc_ns);
   json["clock_synchronized"] = record.clock_synchronized;
@@ -132,7 +123,7 @@ std::string capture_json(const CaptureRecord& record) {
 void CaptureStore::prepare() const {
   std::error_code error;
   fs::create_directories(output_, error);
-  if (error) throw std::runtime_error("cannot make the folder " + output_.string() + ": " + error.message());
+  if (error) throw_errno("cannot make the folder " + output_.string(), error.value());
   if (::access(output_.c_str(), W_OK) != 0) throw_errno("cannot write into " + output_.string());
   if (flush_folder(output_)) return;
   log_warning("the file system of " + output_.string() +
@@ -160,7 +151,7 @@ std::vector<CaptureState> CaptureStore::recover() const {
   for (const auto& entry : fs::directory_iterator(output_)) {
     const std::string name = entry.path().filename().string();
     std::error_code error;
-    if (!number_of(name) || !entry.is_directory(error)) continue;
+    if (!number_of_sweep(name) || !entry.is_directory(error)) continue;
     try {
       remove_temporaries(entry.path(), true);
       const bool built = fs::exists(panorama_of(name), error);
@@ -177,7 +168,7 @@ std::string CaptureStore::create_capture() const {
   const fs::path counter = output_ / ".last_sweep";
   int last = number_in(counter);
   for (const auto& entry : fs::directory_iterator(output_)) {
-    last = std::max(last, number_of(entry.path().stem().string()).value_or(0));
+    last = std::max(last, number_of_sweep(entry.path().stem().string()).value_or(0));
   }
   std::string name = name_from(last + 1);
   write_file(counter, std::to_string(last + 1) + "\n");
@@ -193,7 +184,7 @@ std::string CaptureStore::create_capture() const {
 }
 
 void CaptureStore::discard(const std::string& name) const {
-  if (!number_of(name)) throw std::logic_error("not a capture: " + name);
+  if (!number_of_sweep(name)) throw std::logic_error("not a capture: " + name);
   const fs::path gone = output_ / ".building" / name;
   fs::create_directory(gone.parent_path());
   fs::rename(folder_of(name), gone);
@@ -256,7 +247,7 @@ int CaptureStore::sweeps_left(uint64_t reserve_bytes) const {
 uint64_t CaptureStore::usual_sweep_bytes() const {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(output_)) {
-    if (number_of(entry.path().filename().string())) names.push_back(entry.path().filename().string());
+    if (number_of_sweep(entry.path().filename().string())) names.push_back(entry.path().filename().string());
   }
   std::sort(names.rbegin(), names.rend());
   uint64_t largest = 0;

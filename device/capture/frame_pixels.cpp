@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "core/photos/images.h"
 #include "device/capture/capture_tuning.h"
 
 namespace ldp {
@@ -90,6 +89,12 @@ RgbImage rgb_from(const CameraFrame& frame) {
 }
 
 }  // namespace
+
+ImageSize stored_size(const CameraFrame& frame) {
+  const FramePlane& plane = frame.planes.at(0);
+  if (frame.format != PixelFormat::mjpeg) return {frame.width, frame.height};
+  return image_size({plane.bytes, plane.size}, "camera frame");
+}
 
 GreyImage thumbnail(const CameraFrame& frame) {
   const FramePlane& plane = frame.planes.at(0);

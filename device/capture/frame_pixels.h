@@ -5,11 +5,16 @@
 #include <vector>
 
 #include "core/base/plane.h"
+#include "core/photos/images.h"
 #include "drivers/interface/camera.h"
 
 namespace ldp {
 
 constexpr int kThumbnailWidth = 96;  // pixels, about: the nearest whole reduction
+
+// That of a JPEG is what its own header tells, whatever the camera promised. Throws std::runtime_error for a damaged
+// one.
+ImageSize stored_size(const CameraFrame& frame);
 
 // A grey picture of about kThumbnailWidth columns, averaged over squares. Throws std::runtime_error for a damaged JPEG.
 GreyImage thumbnail(const CameraFrame& frame);

@@ -20,23 +20,24 @@ void write(const WriteJob& job) {
   if (!job.capture_json.empty()) write_file(job.folder / "capture.json", job.capture_json);
 }
 
+}  // namespace
+
 // Nothing leaves it, or the thread would end the program: neither what went wrong, nor what telling of it needs.
-std::string written(const WriteJob& job) noexcept {
+void FrameWriter::write(Entry& entry) noexcept {
   try {
     try {
-      write(job);
-      return {};
+      ldp::write(entry.job);
     } catch (const std::bad_alloc&) {
-      return kNoMemory;
+      throw;
     } catch (const std::exception& error) {
-      return error.what();
+      entry.code = code_of(error);
+      entry.error = error.what();
     }
-  } catch (const std::bad_alloc&) {
-    return kNoMemory;
+  } catch (const std::bad_alloc& error) {
+    entry.code = code_of(error);
+    entry.error = kNoMemory;
   }
 }
-
-}  // namespace
 
 FrameWriter::FrameWriter() : shared_(std::make_shared<Shared>()) {
   shared_->event.reset(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
@@ -60,7 +61,7 @@ FrameWriter::~FrameWriter() {
 void FrameWriter::put(WriteJob job) {
   {
     const std::scoped_lock lock(shared_->mutex);
-    shared_->jobs.push_back({std::move(job), {}});
+    shared_->jobs.push_back({std::move(job), {}, {}});
     ++shared_->pending;
   }
   shared_->wake.notify_one();
@@ -85,7 +86,7 @@ std::optional<WriteOutcome> FrameWriter::take() {
     return std::nullopt;
   }
   Entry& entry = shared_->done.front();
-  WriteOutcome outcome{std::move(entry.job.folder), std::move(entry.job.file), std::move(entry.error)};
+  WriteOutcome outcome{std::move(entry.job.folder), std::move(entry.job.file), std::move(entry.error), entry.code};
   shared_->done.pop_front();
   --shared_->pending;
   return outcome;
@@ -106,7 +107,7 @@ void FrameWriter::run(Shared& shared) {
       current.splice(current.begin(), shared.jobs, shared.jobs.begin());
     }
     Entry& entry = current.front();
-    entry.error = written(entry.job);
+    write(entry);
     std::vector<uint8_t>().swap(entry.job.bytes);
     {
       const std::scoped_lock lock(shared.mutex);

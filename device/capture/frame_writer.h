@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <thread>
 
 #include "device/capture/capture_store.h"
@@ -26,7 +27,8 @@ struct WriteJob {
 struct WriteOutcome {
   std::filesystem::path folder;  // as in the job, and
   std::string file;
-  std::string error;  // empty: the file is whole and on disk for good
+  std::string error;     // empty: the file is whole and on disk for good
+  std::error_code code;  // of the system call that failed
 };
 
 class FrameWriter {
@@ -48,6 +50,7 @@ class FrameWriter {
   struct Entry {
     WriteJob job;
     std::string error;
+    std::error_code code;
   };
   // With the thread, which may outlive the writer. Entries wander from list to list, so that the thread needs no memory
   // to tell how one ended.
@@ -59,6 +62,7 @@ class FrameWriter {
     size_t pending = 0;
     bool ending = false;
   };
+  static void write(Entry& entry) noexcept;
   static void run(Shared& shared);
 
   std::shared_ptr<Shared> shared_;

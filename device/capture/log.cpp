@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 
+#include "core/base/markup_text.h"
 #include "drivers/interface/standard_streams.h"
 
 namespace ldp {
@@ -9,7 +10,7 @@ namespace {
 
 void put(const char* priority, const char* word, const std::string& text) {
   const bool journal = std::getenv("JOURNAL_STREAM") != nullptr;
-  say((journal ? priority : "") + (word + text));
+  say((journal ? priority : "") + (word + printable(text)));
 }
 
 }  // namespace

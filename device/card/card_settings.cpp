@@ -20,10 +20,9 @@ constexpr std::array<std::pair<const char*, Network>, 4> kNetworks = {{{"none", 
                                                                        {"cable", Network::cable},
                                                                        {"wifi", Network::wifi},
                                                                        {"access-point", Network::access_point}}};
-constexpr double kLeastArm_m = 0.05, kLongestArm_m = 10;  // as the service's own configuration has it
-constexpr size_t kLongestName = 63;                       // of a host, in DNS
-constexpr size_t kMostBytes = 64 << 10;                   // of the file
-constexpr size_t kLongestKey = 4096;                      // RSA of 16384 bits and a remark
+constexpr size_t kLongestName = 63;      // of a host, in DNS
+constexpr size_t kMostBytes = 64 << 10;  // of the file
+constexpr size_t kLongestKey = 4096;     // RSA of 16384 bits and a remark
 constexpr size_t kLongestSsid = 32, kShortestPassword = 8, kLongestPassword = 63;
 
 bool is_letter_or_digit(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); }
@@ -155,8 +154,9 @@ class CardReader {
       settings_.button_mode = mode == "toggle" ? ButtonMode::toggle : ButtonMode::hold;
       return mode == "toggle" || mode == "hold";
     });
-    number("button.switch_off_s", settings_.switch_off_s, "expected seconds, 0 or a number from 4 to 60",
-           [](double seconds) { return seconds == 0 || (seconds >= 4 && seconds <= 60); });
+    number(
+        "button.switch_off_s", settings_.switch_off_s, "expected seconds, 0 or a number from 4 to 60",
+        [](double seconds) { return seconds == 0 || (seconds >= kLeastSwitchOff_s && seconds <= kMostSwitchOff_s); });
     line("led.line", settings_.led_line, wrong_led);
     word("network.kind", "expected 'none', 'cable', 'wifi' or 'access-point'", [this](const std::string& kind) {
       const auto found =

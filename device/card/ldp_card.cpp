@@ -11,6 +11,7 @@
 #include <string>
 
 #include "core/base/files.h"
+#include "core/base/markup_text.h"
 #include "device/backends/open.h"
 #include "device/card/card_files.h"
 
@@ -33,6 +34,10 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("-o,--output", arguments.output, "folder of the services' files; without, the file is only checked");
   app.add_option("--report", arguments.report, "where mistakes are told to people");
   app.add_flag("--blink", arguments.blink, "only blink the LED that the file names, as after a failure, for ever");
+}
+
+void complain(const std::exception& error) {
+  std::fprintf(stderr, "ldp-card: %s\n", ldp::printable(error.what()).c_str());
 }
 
 ldp::CheckedCard read_card(const fs::path& file) {
@@ -75,7 +80,7 @@ void report(const fs::path& file, const ldp::CheckedCard& checked) {
     ldp::write_file(file, ldp::card_report(checked, LDP_VERSION));
   } catch (const std::exception& error) {
     if (checked.mistakes.empty()) throw;
-    std::fprintf(stderr, "ldp-card: %s\n", error.what());
+    complain(error);
   }
 }
 
@@ -83,7 +88,8 @@ int run(const Arguments& arguments) {
   const ldp::CheckedCard checked = read_card(arguments.camera_toml);
   if (arguments.blink) blink(checked.settings);
   for (const ldp::ConfigMistake& mistake : checked.mistakes)
-    std::fprintf(stderr, "%s:%d: %s\n", arguments.camera_toml.c_str(), mistake.line, mistake.text.c_str());
+    std::fprintf(stderr, "%s:%d: %s\n", ldp::printable(arguments.camera_toml).c_str(), mistake.line,
+                 ldp::printable(mistake.text).c_str());
   if (!arguments.report.empty()) report(arguments.report, checked);
   if (!checked.mistakes.empty()) return kBadConfiguration;
   if (!arguments.output.empty()) write_files(checked.settings, arguments.output);
@@ -100,13 +106,13 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    std::fprintf(stderr, "ldp-card: %s\n", error.what());
+    complain(error);
     return kBadArguments;
   }
   try {
     return run(arguments);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "ldp-card: %s\n", error.what());
+    complain(error);
     return 1;
   }
 }

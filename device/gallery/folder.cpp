@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "device/capture/sweep_name.h"
+
 namespace ldp::gallery {
 namespace {
 
@@ -114,11 +116,7 @@ bool is_panorama_name(std::string_view name) {
   return is_plain_part(name) && name.size() > kPanorama.size() && name.ends_with(kPanorama);
 }
 
-bool is_sweep_name(std::string_view name) {
-  constexpr std::string_view kSweep = "sweep_";
-  return name.size() >= kSweep.size() + 6 && name.size() <= kSweep.size() + 9 && name.starts_with(kSweep) &&
-         are_digits(name.substr(kSweep.size()));
-}
+bool is_sweep_name(std::string_view name) { return number_of_sweep(name).has_value(); }
 
 bool is_frame_name(std::string_view name) {
   constexpr std::string_view kFrame = "frame_", kJpeg = ".jpg";

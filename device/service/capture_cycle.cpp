@@ -16,6 +16,7 @@
 #include "device/service/events/last_frames.h"
 #include "device/service/session_tuning.h"
 #include "drivers/interface/clocks.h"
+#include "drivers/interface/errors.h"
 
 namespace ldp {
 namespace {
@@ -33,10 +34,11 @@ bool is_at_work(Phase phase) { return phase == Phase::capturing || phase == Phas
 
 }  // namespace
 
-CaptureCycle::CaptureCycle(const Config& config, Run run, ServiceNotice& notice)
+CaptureCycle::CaptureCycle(const Config& config, Run run, ServiceNotice& notice, EndRequest& end_request)
     : config_(config),
       run_(run),
       notice_(notice),
+      end_request_(end_request),
       store_(config_.output),
       announcer_(config_.status),
       folders_(config_, store_, run_ == Run::capture_only),
@@ -46,7 +48,18 @@ CaptureCycle::CaptureCycle(const Config& config, Run run, ServiceNotice& notice)
   if (run_ == Run::service) builds_.add_unfinished();
 }
 
-void CaptureCycle::open_camera_ahead() { camera_ = open_camera(config_.camera); }
+// None where the end was asked for meanwhile: to open a camera may take long, and nobody waits for that sweep any more.
+std::unique_ptr<CameraDevice> CaptureCycle::ready_camera() {
+  auto camera = open_camera(config_.camera);
+  const auto give_up = [this] { return end_request_.waits(); };
+  if (!camera->prepare(give_up) || give_up()) return nullptr;
+  return camera;
+}
+
+bool CaptureCycle::open_camera_ahead() {
+  camera_ = ready_camera();
+  return camera_ != nullptr;
+}
 
 // --- what the loop asks ----------------------------------------------------------------------------------------------
 
@@ -85,13 +98,15 @@ void CaptureCycle::refresh_channels() {
 
 // --- the states ------------------------------------------------------------------------------------------------------
 
+// What comes together with the request to end begins nothing.
 void CaptureCycle::handle(Event event, const Reason& reason) {
+  if (over_) return;
   const Transition transition = next(phase_, event, mode_of(config_));
   const bool changed = transition.phase != phase_;
   phase_ = transition.phase;
   if (changed) rest_at_ns_ = has_result(phase_) ? monotonic_now_ns() + kRest_ns : 0;
   if (changed && !is_at_work(phase_)) say(text_of(reason));
-  if (changed && (phase_ == Phase::failed || phase_ == Phase::idle)) last_failure_ = text_of(reason);
+  if (changed && (phase_ == Phase::failed || phase_ == Phase::idle)) last_failure_ = reason;
   if (!is_at_work(phase_)) builds_.stop_following();
   perform(transition.action, reason);
   if (changed && !is_at_work(phase_)) give_memory_back();
@@ -110,7 +125,7 @@ void CaptureCycle::perform(Action action, const Reason& reason) {
     case Action::end_sweep:
       return end_sweep(reason, true);
     case Action::keep_sweep:
-      return end_sweep(reason, false);
+      return is_taking() ? end_sweep(reason, false) : void();
     case Action::abandon_sweep:
       return abandon_sweep();
     case Action::start_build:
@@ -133,11 +148,12 @@ void CaptureCycle::begin_sweep() {
   say("opening the camera");  // so that a second refusal in a row is told, too
   try {
     if (folders_.sweeps_left() < 1) return refuse_sweep({Why::no_room, {}});
-    auto camera = camera_ ? std::move(camera_) : open_camera(config_.camera);
+    auto camera = camera_ ? std::move(camera_) : ready_camera();
+    if (!camera) return handle(Event::shutdown, {Why::shutting_down, {}});
     capture_ = folders_.create();
     sweep_ = std::make_unique<SweepRun>(config_, std::move(camera), folders_.of(capture_), writer_);
   } catch (const std::exception& error) {
-    return refuse_sweep({Why::cannot_begin, error.what()});
+    return refuse_sweep({Why::cannot_begin, error.what(), code_of(error)});
   }
   say("capturing: turn slowly, arm stretched out");
 }
@@ -159,12 +175,20 @@ void CaptureCycle::abandon_sweep() {
   say("the sweep was cancelled; its frames were removed");
 }
 
+// A sweep without a frame leaves no folder, unless it is the disk's doing.
+void CaptureCycle::discard_if_empty() {
+  if (frames_stored() == 0 && sweep_->storage_problem().why == Why::none) folders_.discard(std::exchange(capture_, {}));
+}
+
 // The last frame is on disk: on to the build.
 void CaptureCycle::continue_after_sweep() {
   sweep_->finish_storing();
   give_memory_back();
   if (phase_ != Phase::building) return;
-  if (frames_stored() < config_.min_frames) return fail_build(sweep_->too_few_frames(), false);
+  if (frames_stored() < config_.min_frames) {
+    fail_build(sweep_->too_few_frames(), false);
+    return discard_if_empty();
+  }
   if (run_ == Run::capture_only) {
     const std::string frames = frames_text(frames_stored());
     Result stored;
@@ -262,9 +286,10 @@ void CaptureCycle::serve_writer() {
     follow(outcome->file);
     publish_status();
   }
-  if (is_taking() && !sweep_->storage_problem().empty()) {
-    handle(Event::storage_failed,
-           {Why::storage_failed, sweep_->storage_problem() + " (" + frames_text(frames_stored()) + " are stored)"});
+  if (is_taking() && sweep_->storage_problem().why != Why::none) {
+    Reason failed = sweep_->storage_problem();
+    failed.detail += " (" + frames_text(frames_stored()) + " are stored)";
+    handle(Event::storage_failed, failed);
   }
   if (is_storing() && writer_.pending() == 0) continue_after_sweep();
   folders_.discard_cancelled(writer_);
@@ -281,7 +306,7 @@ void CaptureCycle::serve_build() {
 // --- the end ---------------------------------------------------------------------------------------------------------
 
 void CaptureCycle::end_run(const Reason& reason) {
-  last_failure_ = text_of(reason);
+  last_failure_ = reason;
   exit_status_ = 1;
   over_ = true;
 }
@@ -299,15 +324,13 @@ void CaptureCycle::switch_off() {
   exit_status_ = kSwitchOffStatus;
 }
 
-void CaptureCycle::store_what_waits(EndRequest& end_request) {
-  wait_for_last_frames({writer_, end_request, notice_, run_ != Run::service, [this] { serve_writer(); }});
+void CaptureCycle::store_what_waits() {
+  wait_for_last_frames({writer_, end_request_, notice_, run_ != Run::service, [this] { serve_writer(); }});
 }
 
-// A sweep that was interrupted keeps the frames it has; one without any leaves no folder.
+// A sweep that was interrupted keeps the frames it has.
 void CaptureCycle::leave_in_order(bool in_sweep) {
-  if (in_sweep && !is_storing() && frames_stored() == 0 && sweep_->storage_problem().empty()) {
-    folders_.discard(std::exchange(capture_, {}));
-  }
+  if (in_sweep && !is_storing()) discard_if_empty();
   if (run_ == Run::service) return;
   const std::string kept = capture_.empty() ? "nothing was kept"
                                             : "the sweep is kept in " + folders_.of(capture_).string() + " (" +

@@ -33,13 +33,14 @@ enum class Run : uint8_t {
 
 class CaptureCycle {
  public:
-  // Both must live longer. A service takes up what an earlier run left. Throws what CaptureStore throws where the
+  // All must live longer. A service takes up what an earlier run left. Throws what CaptureStore throws where the
   // folder cannot be used or another service works in it.
-  CaptureCycle(const Config& config, Run run, ServiceNotice& notice);
+  CaptureCycle(const Config& config, Run run, ServiceNotice& notice, EndRequest& end_request);
   CaptureCycle(const CaptureCycle&) = delete;
   CaptureCycle& operator=(const CaptureCycle&) = delete;
 
-  void open_camera_ahead();  // of a single sweep; throws std::runtime_error
+  // Of a single sweep; throws std::runtime_error. False: the end was asked for meanwhile.
+  bool open_camera_ahead();
 
   // What the loop asks.
   Watches watches(const std::function<void(Command)>& obey);
@@ -61,20 +62,22 @@ class CaptureCycle {
   void end_run(const Reason& reason);  // that waits for what will not come
   void interrupt();                    // whatever goes on is left for the next start
   void switch_off();                   // the same, but a sweep that was begun is none
-  void store_what_waits(EndRequest& end_request);
+  void store_what_waits();
   void leave_in_order(bool in_sweep);  // `in_sweep`: it was storing when it was interrupted
   void tell_ignored() { announcer_.tell_ignored(true); }
   bool is_storing() const { return sweep_ && sweep_->stores(); }
   int exit_status() const { return exit_status_; }
-  const std::string& last_failure() const { return last_failure_; }
+  const Reason& last_failure() const { return last_failure_; }
   int frames_stored() const { return sweep_ ? sweep_->frames_stored() : 0; }
 
  private:
   void perform(Action action, const Reason& reason);
+  std::unique_ptr<CameraDevice> ready_camera();
   void begin_sweep();
   void refuse_sweep(const Reason& reason);
   void end_sweep(const Reason& reason, bool complete);
   void abandon_sweep();
+  void discard_if_empty();
   void continue_after_sweep();
 
   void follow(const std::string& stored_file);
@@ -95,6 +98,7 @@ class CaptureCycle {
   const Config& config_;
   Run run_;
   ServiceNotice& notice_;
+  EndRequest& end_request_;
   CaptureStore store_;
   UniqueFd lock_;  // on the store; let go after the builds have ended
   FrameWriter writer_;
@@ -111,7 +115,7 @@ class CaptureCycle {
   int64_t rest_at_ns_ = 0;     // 0 = no result is shown
   bool over_ = false;
   int exit_status_ = 0;
-  std::string last_failure_;
+  Reason last_failure_;
 };
 
 }  // namespace ldp

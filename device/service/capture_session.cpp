@@ -16,7 +16,7 @@ CaptureSession::CaptureSession(Config config, Run run, std::stop_token stop)
     : config_(std::move(config)),
       run_(run),
       end_request_(std::move(stop)),
-      cycle_(config_, run_, notice_),
+      cycle_(config_, run_, notice_, end_request_),
       button_(config_.button, run_ == Run::service ? config_.switch_off_s : 0) {
   if (run_ == Run::service)
     button_.try_again(monotonic_now_ns());
@@ -24,21 +24,20 @@ CaptureSession::CaptureSession(Config config, Run run, std::stop_token stop)
     open_devices();
 }
 
-// A scene is rendered when it is opened: a mistake in the button is told before. The button that is used comes after,
+// A scene is rendered ahead: a mistake in the button is told before. The button that is used comes after,
 // for a script's time begins with it.
 void CaptureSession::open_devices() {
   try {
     button_.open();
     button_.close();
-    cycle_.open_camera_ahead();
-    button_.open();
+    if (cycle_.open_camera_ahead()) button_.open();
   } catch (const std::runtime_error& error) {
     throw UnusableDevice(error.what());
   }
 }
 
 int CaptureSession::run() {
-  cycle_.say(text_of(ready()));
+  if (!end_request_.waits()) cycle_.say(text_of(ready()));
   notice_.ready();
   while (!cycle_.over()) {
     wait_and_serve([this] { return watches(); }, next_deadline_ns());
@@ -139,7 +138,7 @@ void CaptureSession::end_in_order() {
   if (interrupted_ && in_sweep && run_ != Run::service) {
     log_note("interrupted: storing what was taken; once more to leave at once");
   }
-  cycle_.store_what_waits(end_request_);
+  cycle_.store_what_waits();
   if (interrupted_) cycle_.leave_in_order(in_sweep);
   cycle_.tell_ignored();
 }

@@ -37,7 +37,7 @@ class CaptureSession {
   // Until asked to end or the end of what was to be run once. The exit status: 0, 1 when a single run failed, or
   // kSwitchOffStatus.
   int run();
-  const std::string& last_failure() const { return cycle_.last_failure(); }
+  const Reason& last_failure() const { return cycle_.last_failure(); }
   int frames_stored() const { return cycle_.frames_stored(); }
 
  private:

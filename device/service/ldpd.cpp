@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/markup_text.h"
 #include "device/capture/log.h"
 #include "device/service/capture_session.h"
 #include "device/service/config/config.h"
@@ -64,7 +65,7 @@ bool read_configuration(const Arguments& arguments, ldp::Config& config) {
     const ldp::CheckedConfig checked = ldp::read_config(*file, inputs_of(arguments));
     for (const ldp::ConfigMistake& mistake : checked.mistakes) {
       const std::string line = mistake.line > 0 ? ":" + std::to_string(mistake.line) : "";
-      std::fprintf(stderr, "%s%s: %s\n", file->c_str(), line.c_str(), mistake.text.c_str());
+      std::fprintf(stderr, "%s\n", ldp::printable(*file + line + ": " + mistake.text).c_str());
     }
     config = checked.config;
     good = checked.mistakes.empty();
@@ -81,7 +82,8 @@ int serve(const Arguments& arguments) {
   ldp::Config config;
   if (!read_configuration(arguments, config)) return kBadConfiguration;
   const std::vector<ldp::ConfigMistake> wrong = ldp::wrong_values(config, inputs_of(arguments));
-  for (const ldp::ConfigMistake& mistake : wrong) std::fprintf(stderr, "ldpd: --%s\n", mistake.text.c_str());
+  for (const ldp::ConfigMistake& mistake : wrong)
+    std::fprintf(stderr, "ldpd: --%s\n", ldp::printable(mistake.text).c_str());
   if (!wrong.empty()) return kBadArguments;
   if (arguments.print_config) std::fputs(ldp::config_text(config).c_str(), stdout);
   if (!ldp::flush_standard_output()) {
@@ -92,7 +94,7 @@ int serve(const Arguments& arguments) {
   if (const auto program = ldp::program_of(config); !std::filesystem::exists(program)) {
     std::fprintf(stderr,
                  "ldpd: build.program: there is no %s: install ldp there, or name its path in the configuration\n",
-                 program.c_str());
+                 ldp::printable(program.string()).c_str());
     return kBadConfiguration;
   }
   if (arguments.check_config) return 0;
@@ -105,6 +107,7 @@ int serve(const Arguments& arguments) {
 int main(int argc, char** argv) {
   ldp::keep_standard_streams();
   std::signal(SIGCHLD, SIG_DFL);  // a parent that ignored it left us so, and no build's end would be told
+  std::signal(SIGXFSZ, SIG_IGN);  // what is beyond a limit on files cannot be written, which is told
   std::signal(SIGPIPE, SIG_IGN);  // who read our standard error may be gone
   CLI::App app("The capture service of the layered-depth-panorama camera: press, turn, release.", "ldpd");
   Arguments arguments;
@@ -113,13 +116,13 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    std::fprintf(stderr, "ldpd: %s\n", error.what());
+    std::fprintf(stderr, "ldpd: %s\n", ldp::printable(error.what()).c_str());
     return kBadArguments;
   }
   try {
     return serve(arguments);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "ldpd: %s\n", error.what());
+    std::fprintf(stderr, "ldpd: %s\n", ldp::printable(error.what()).c_str());
     return 1;
   }
 }

@@ -2,14 +2,12 @@
 
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
+#include "core/geometry/degrees.h"
 #include "device/service/session_tuning.h"
 
 namespace ldp {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 // The person ended it, or a limit: no fault to name.
 bool ended_in_order(const Reason& end) {
@@ -17,11 +15,11 @@ bool ended_in_order(const Reason& end) {
 }
 
 std::string why_so_few(const ShortSweep& sweep) {
-  if (!sweep.storage_problem.empty()) return sweep.storage_problem;
+  if (sweep.storage_problem.why != Why::none) return text_of(sweep.storage_problem);
   if (!ended_in_order(sweep.end)) return text_of(sweep.end);
   const bool hold = sweep.mode == ButtonMode::hold;
   return "the sweep lasted " + seconds_text(sweep.seconds) + " and turned by " +
-         std::to_string(std::lround(sweep.covered_rad * kDegrees)) +
+         std::to_string(std::lround(sweep.covered_rad * kDegreesPerRadian)) +
          " degrees: " + (hold ? "hold the button while you turn" : "press, turn") +
          " slowly through at least a quarter circle" + (hold ? "" : ", press again");
 }
@@ -83,8 +81,11 @@ std::string seconds_text(double seconds) {
 }
 
 Reason too_few_frames(const ShortSweep& sweep) {
-  return {Why::too_few_frames, "only " + frames_text(sweep.frames) + ", at least " +
-                                   std::to_string(sweep.frames_needed) + " are needed: " + why_so_few(sweep)};
+  const bool not_stored = sweep.storage_problem.why != Why::none;
+  return {Why::too_few_frames,
+          "only " + frames_text(sweep.frames) + ", at least " + std::to_string(sweep.frames_needed) +
+              " are needed: " + why_so_few(sweep),
+          not_stored ? sweep.storage_problem.code : sweep.end.code};
 }
 
 }  // namespace ldp

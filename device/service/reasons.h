@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <system_error>
 
 #include "device/service/session_state.h"
 
@@ -41,6 +42,7 @@ enum class Why : uint8_t {
 struct Reason {
   Why why = Why::none;
   std::string detail;
+  std::error_code code = {};  // of the system call that failed, where it is known
 };
 
 // One line for people; capture.json, the status channels and `ldp capture` tell it.
@@ -52,8 +54,8 @@ std::string seconds_text(double seconds);  // "12.3 s"
 // What a sweep came to that is not worth a build.
 struct ShortSweep {
   int frames = 0, frames_needed = 0;
-  Reason end;                   // why it ended
-  std::string storage_problem;  // empty: everything was stored
+  Reason end;              // why it ended
+  Reason storage_problem;  // none: everything was stored
   double seconds = 0;
   double covered_rad = 0;
   ButtonMode mode = ButtonMode::toggle;

@@ -33,6 +33,10 @@ inline constexpr int kMaxInterruptions = 5;
 inline constexpr int kSteadyFrames = 3;
 inline constexpr double kSteadyBrightness = 0.01;
 
+// Frames in a row of one size that is not the camera's own, before it is taken for that of the sweep; 2 .. 10. Fewer
+// may be JPEG files whose headers were damaged.
+inline constexpr int kAlikeFrames = 3;
+
 // Exposure that never settles is locked all the same, after so many times the camera's own time to settle; 2 .. 10.
 inline constexpr double kMaxSettleFactor = 4;
 

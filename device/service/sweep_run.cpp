@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/geometry/degrees.h"
 #include "device/capture/frame_pixels.h"
 #include "device/capture/log.h"
 #include "device/service/session_tuning.h"
@@ -15,13 +16,11 @@
 namespace ldp {
 namespace {
 
-constexpr double kRadians = 0.017453292519943295;
-
 ChooserOptions chooser_options(const Config& config) {
   ChooserOptions options;
   options.overlap = config.overlap;
   options.max_frames = config.max_frames;
-  options.fov_rad = config.fov_degrees > 0 ? config.fov_degrees * kRadians : kUsualFov_rad;
+  options.fov_rad = config.fov_degrees > 0 ? config.fov_degrees * kRadiansPerDegree : kUsualFov_rad;
   return options;
 }
 
@@ -44,7 +43,7 @@ SweepRun::SweepRun(const Config& config, std::unique_ptr<CameraDevice> camera, s
   record_.height = mode.height;
   record_.pixel_format = name_of(mode.format);
   record_.arm_length_m = config.arm_length_m;
-  if (config.fov_degrees > 0) record_.fov_rad = config.fov_degrees * kRadians;
+  if (config.fov_degrees > 0) record_.fov_rad = config.fov_degrees * kRadiansPerDegree;
   record_.begin_utc_ns = utc_now_ns();
   record_.clock_synchronized = utc_is_synchronized();
   record_.begin_ns = monotonic_now_ns();
@@ -69,21 +68,32 @@ void SweepRun::take(CameraFrame frame) {
   OfferedFrame offered{thumbnail(frame), 0, frame.time_ns, frame.exposure_s};
   if (!settled(frame, mean_brightness(offered.thumbnail))) return;
   offered.sharpness = sharpness(frame);
-  if (first_thumbnail_.empty()) {
-    first_thumbnail_ = offered.thumbnail;
-    record_.width = frame.width;
-    record_.height = frame.height;
-  }
-  // A JPEG whose header was damaged says one size and is of another.
-  if (frame.width != record_.width || frame.height != record_.height ||
-      offered.thumbnail.width != first_thumbnail_.width || offered.thumbnail.height != first_thumbnail_.height) {
-    throw std::runtime_error("its size is another");
+  if (!is_of_the_sweep(stored_size(frame))) throw std::runtime_error("its size is another");
+  if (first_thumbnail_.empty()) first_thumbnail_ = offered.thumbnail;
+  // A folder's JPEG is shrunk in other steps than its other pictures.
+  if (offered.thumbnail.width != first_thumbnail_.width || offered.thumbnail.height != first_thumbnail_.height) {
+    throw std::runtime_error("its kind is another");
   }
   const Verdict verdict = chooser_.offer(offered);
   if (verdict.store_held && held_) store(*held_);
   if (verdict.store_held || verdict.store_this) held_.reset();
   if (verdict.store_this) store(frame);
   if (verdict.hold_this) held_ = std::move(frame);
+}
+
+// A JPEG whose header was damaged says another size than it has, the first one of a sweep as well: that of the sweep is
+// the camera's, lying (a folder's photograph that is turned when it is read) or standing, or what several in a row
+// have.
+bool SweepRun::is_of_the_sweep(ImageSize size) {
+  if (size_) return size == *size_;
+  alike_ = size == last_size_ ? alike_ + 1 : 1;
+  last_size_ = size;
+  const ImageSize own{record_.width, record_.height}, turned{record_.height, record_.width};
+  const bool is_own = size == own || size == turned;
+  if (!is_own && alike_ < kAlikeFrames) return false;
+  if (!is_own) record_.width = size.width, record_.height = size.height;
+  size_ = size;
+  return true;
 }
 
 // Lets automatic exposure come to rest, then locks it for the rest of the sweep.
@@ -134,7 +144,8 @@ void SweepRun::end(const Reason& reason, bool complete) {
 
 void SweepRun::note(const WriteOutcome& outcome) {
   if (!outcome.error.empty()) {
-    if (storage_problem_.empty()) storage_problem_ = "cannot store: " + outcome.error;
+    if (storage_problem_.why == Why::none)
+      storage_problem_ = {Why::storage_failed, "cannot store: " + outcome.error, outcome.code};
   } else if (!outcome.file.empty()) {
     ++frames_stored_;
   }

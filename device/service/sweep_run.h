@@ -12,6 +12,7 @@
 #include <string>
 
 #include "core/base/plane.h"
+#include "core/photos/images.h"
 #include "device/capture/capture_store.h"
 #include "device/capture/frame_selection.h"
 #include "device/capture/frame_writer.h"
@@ -51,7 +52,7 @@ class SweepRun {
   bool stores() const { return stores_; }
   void finish_storing() { stores_ = false; }
   int frames_stored() const { return frames_stored_; }
-  const std::string& storage_problem() const { return storage_problem_; }  // the first one; empty = none
+  const Reason& storage_problem() const { return storage_problem_; }  // the first one, if there was one
 
   const std::filesystem::path& folder() const { return folder_; }
   int64_t end_ns() const { return end_ns_; }  // 0 = it goes on
@@ -59,6 +60,7 @@ class SweepRun {
 
  private:
   void take(CameraFrame frame);
+  bool is_of_the_sweep(ImageSize size);
   bool settled(const CameraFrame& frame, double brightness);
   void store(const CameraFrame& frame);
 
@@ -68,7 +70,10 @@ class SweepRun {
   FrameWriter& writer_;
   FrameChooser chooser_;
   CaptureRecord record_;
-  GreyImage first_thumbnail_;  // whose size all others must have
+  std::optional<ImageSize> size_;  // that all must have; none before the first
+  ImageSize last_size_;            // before that: of the last frame, and
+  int alike_ = 0;                  // how many in a row had it
+  GreyImage first_thumbnail_;      // whose size all others must have, too
   std::optional<CameraFrame> held_;
   double settle_s_ = 0;
   bool settled_ = false;
@@ -78,7 +83,7 @@ class SweepRun {
   Reason end_reason_;
   bool stores_ = false;
   int frames_stored_ = 0;
-  std::string storage_problem_;
+  Reason storage_problem_;
 };
 
 }  // namespace ldp

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "core/captures/colmap_model.h"
@@ -17,8 +19,6 @@
 
 namespace ldp {
 namespace {
-
-constexpr int kFewestPhotos = 3;
 
 // Half-way to the picture's corners the lens must map one direction to one place: what is nonsense there is no lens.
 void check_lenses(const std::vector<Camera>& cameras, const std::string& file) {
@@ -46,6 +46,17 @@ FolderFramesOptions frames_options(const BuildSetup& setup) {
   constexpr std::array kOrientations = {1, 6, 3, 8};
   options.orientation = kOrientations[static_cast<size_t>(setup.turn_deg / 90)];
   return options;
+}
+
+// Of a COLMAP model the files that there are.
+void check_cameras(const std::string& cameras) {
+  std::error_code unknown;
+  if (cameras.empty()) return;
+  if (!std::filesystem::is_directory(cameras, unknown)) return check_input_file(cameras);
+  for (const char* const name : {"cameras.bin", "images.bin", "cameras.txt", "images.txt"}) {
+    const std::filesystem::path file = std::filesystem::path(cameras) / name;
+    if (std::filesystem::exists(file)) check_input_file(file);
+  }
 }
 
 Intake take_in(const BuildSetup& setup, const Job& job) {
@@ -87,7 +98,9 @@ void add_capture_options(CLI::App& command, BuildSetup& setup) {
                   "--fov and the cameras that are written are of the turned photos")
       ->check(CLI::IsMember({0, 90, 180, 270}))
       ->capture_default_str();
-  command.add_option("--seed", setup.build.poses.seed, "Of every random choice")->capture_default_str();
+  command.add_option("--seed", setup.build.poses.seed, "Of every random choice")
+      ->check(CLI::Range(0U, std::numeric_limits<unsigned>::max()))
+      ->capture_default_str();
 }
 
 void add_build_options(CLI::App& command, BuildSetup& setup) {
@@ -150,7 +163,7 @@ PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes, c
 }
 
 PreparedBuild prepare(const BuildSetup& setup, const Job& job) {
-  if (!setup.cameras.empty() && !std::filesystem::is_directory(setup.cameras)) check_input_file(setup.cameras);
+  check_cameras(setup.cameras);
   Intake intake = take_in(setup, job);
   FolderFrames frames = frames_of(intake, setup);
   CaptureNotes notes = read_capture_notes(intake.folder(), intake.archive());
@@ -169,13 +182,28 @@ PreparedBuild prepare(const BuildSetup& setup, const Job& job) {
   if (!setup.cameras.empty()) {
     options.cameras = prepared.frames.fit(read_cameras(setup.cameras));
     check_lenses(options.cameras, setup.cameras);
-    if (options.cameras.size() < 3) {
+    if (options.cameras.size() < size_t{kFewestPhotos}) {
       throw BadInput(setup.cameras + ": only " + std::to_string(options.cameras.size()) +
                      " of its cameras are named like photos of " + setup.capture() +
                      ": check that file_path holds the photos' names");
     }
   }
   return prepared;
+}
+
+void keep_out_of_capture(const std::string& folder, const std::string& option, const PreparedBuild& prepared) {
+  std::set<std::filesystem::path> places{prepared.intake.folder()};
+  for (const PhotoFile& photo : prepared.frames.files()) {
+    const std::filesystem::path place = std::filesystem::absolute(photo.path).parent_path();
+    places.insert(place);
+    if (place.filename() == "frames") places.insert(place.parent_path());  // of a capture, whose own photos go first
+  }
+  for (const std::filesystem::path& place : places) {
+    std::error_code one_is_missing;
+    if (std::filesystem::equivalent(folder, place, one_is_missing))
+      throw BadInput(option + " " + folder +
+                     ": is the folder of the photos, and pictures there would be taken for more of them: name another");
+  }
 }
 
 nlohmann::ordered_json options_json(const BuildSetup& setup, const BuildOptions& used) {

@@ -13,6 +13,8 @@
 
 namespace ldp {
 
+constexpr int kFewestPhotos = 3;  // of one sweep, that make a panorama
+
 struct BuildSetup {
   std::vector<std::string> captures;  // what the photos come in (intake/intake.h)
   std::string cameras;                // transforms.json or empty
@@ -42,6 +44,9 @@ PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes, c
 
 // Reads what the options name, and unpacks it. Throws BadInput or std::runtime_error.
 PreparedBuild prepare(const BuildSetup& setup, const Job& job);
+
+// Throws BadInput where pictures that go to `folder` (empty = none do) would lie among the photos, and pass for some.
+void keep_out_of_capture(const std::string& folder, const std::string& option, const PreparedBuild& prepared);
 
 // Every option with its value, for report.json.
 nlohmann::ordered_json options_json(const BuildSetup& setup, const BuildOptions& used);

@@ -8,9 +8,11 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <system_error>
 
+#include "core/base/markup_text.h"
 #include "device/tool/commands.h"
 #include "device/tool/process/interrupt.h"
 #include "device/tool/process/out_of_memory.h"
@@ -30,7 +32,7 @@ const CLI::App* command_of(const CLI::App& app, const std::string& name) {
 std::string line_from(const Program& program, const std::string& message) {
   std::string line = (program.command.empty() ? "ldp" : "ldp " + program.command) + ": " + message;
   for (char& c : line) c = c == '\n' ? ' ' : c;
-  return line;
+  return printable(line);
 }
 
 int complain(const Program& program, const std::string& message, int status) {
@@ -79,6 +81,9 @@ Failure failure_of(const Program& program, const std::exception_ptr& cause) {
     return {kTryAgain, out_of_memory(program)};
   } catch (const MachineFault& error) {
     return {kTryAgain, error.what()};
+  } catch (const std::filesystem::filesystem_error& error) {  // of looking at what was named
+    if (is_machine_fault(error.code())) return {kTryAgain, words_of(error)};
+    return {kBadInput, words_of(error) + ": check the name and its permissions"};
   } catch (const std::system_error& error) {
     return {is_machine_fault(error.code()) ? kTryAgain : kCannotBeDone, error.what()};
   } catch (const std::invalid_argument& error) {
@@ -148,6 +153,7 @@ void return_freed_memory() {
 int main(int argc, char** argv) try {
   ldp::keep_standard_streams();
   std::signal(SIGCHLD, SIG_DFL);  // a parent that ignored it left us so, and how a film's program ended would be lost
+  std::signal(SIGXFSZ, SIG_IGN);  // what is beyond ulimit -f cannot be written, which is told
   ldp::return_freed_memory();
   ldp::Interrupt interrupt;
   ldp::Program program;
@@ -164,6 +170,6 @@ int main(int argc, char** argv) try {
   const int status = ldp::with_all_printed(program, program.chosen ? ldp::run(program) : parsed);
   return interrupt.came() ? ldp::kInterrupted : status;
 } catch (const std::exception& error) {  // before there is a command: no room for the thread that waits for Ctrl-C
-  std::fprintf(stderr, "ldp: cannot start: %s\n", error.what());
+  std::fprintf(stderr, "ldp: cannot start: %s\n", ldp::printable(error.what()).c_str());
   return ldp::kTryAgain;
 }

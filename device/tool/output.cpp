@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
-#include <random>
 #include <span>
 #include <system_error>
 
@@ -30,6 +29,8 @@ fs::path without_trailing_slash(const fs::path& path) {
 // `shown` is the path in the user's words.
 void check_folder_takes_files(const fs::path& folder, const fs::path& shown) {
   std::error_code error;
+  if (const fs::file_status status = fs::status(folder, error); !fs::status_known(status))
+    throw BadInput(shown.string() + ": cannot be written (" + error.message() + "): choose a folder you may write to");
   if (!fs::is_directory(folder, error))
     throw BadInput(shown.string() + ": its folder does not exist: create " + folder.string() + " first");
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {
@@ -46,15 +47,6 @@ bool ends_like_a_file(const fs::path& path) {
          std::any_of(extension.begin(), extension.end(), [](unsigned char c) { return std::isalpha(c) != 0; });
 }
 
-// A name that no other program has, nor one that was killed: in containers all have the same process number.
-fs::path beside(const fs::path& folder) {
-  std::random_device random;
-  const uint64_t number = uint64_t{random()} << 32 | random();
-  std::string name = ".";
-  name.append(folder.filename().string()).append(".partial-").append(std::to_string(number));
-  return folder.parent_path() / name;
-}
-
 // Of files the names in them, too, outlive a power cut, once they have been flushed.
 void flush_tree(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder))
@@ -67,6 +59,8 @@ void move_tree(const fs::path& from, const fs::path& to) {
     const fs::path target = to / entry.path().filename();
     if (entry.is_directory() && fs::is_directory(target))
       move_tree(entry.path(), target);
+    else if (entry.is_regular_file())
+      move_file(entry.path(), target);
     else
       fs::rename(entry.path(), target);
   }
@@ -81,12 +75,22 @@ std::string extension_of(const fs::path& file) {
   return extension;
 }
 
-void check_input_file(const fs::path& file) {
+void check_input(const fs::path& file) {
   std::error_code error;
-  if (!fs::exists(file, error)) throw BadInput(file.string() + ": there is no such file: check the name");
-  if (fs::is_directory(file, error)) throw BadInput(file.string() + ": is a folder: give the name of a file");
+  const fs::file_status status = fs::status(file, error);
+  if (status.type() == fs::file_type::not_found)
+    throw BadInput(file.string() + ": there is no such file: check the name");
+  if (!fs::status_known(status))
+    throw BadInput(file.string() + ": cannot be looked at (" + error.message() + "): check its name and permissions");
+  if (fs::is_directory(status)) throw BadInput(file.string() + ": is a folder: give the name of a file");
   if (::access(file.c_str(), R_OK) != 0)
     throw BadInput(file.string() + ": cannot be read (" + std::strerror(errno) + "): check its permissions");
+}
+
+void check_input_file(const fs::path& file) {
+  check_input(file);
+  if (!fs::is_regular_file(file))
+    throw BadInput(file.string() + ": is a pipe or a device: give the name of a regular file");
 }
 
 void check_output_file(const fs::path& file) {
@@ -140,7 +144,7 @@ OutputFolder::OutputFolder(const fs::path& folder, Existing existing)
                    folder.string() + "/ if a folder is meant");
   }
   check_folder_takes_files(final_.parent_path(), folder);
-  partial_ = beside(final_);
+  partial_ = name_beside(final_, ".partial-");
   temporary_ = std::make_unique<Temporary>(partial_);
   if (!fs::create_directory(partial_, error)) {
     if (!error) error = std::make_error_code(std::errc::file_exists);
@@ -158,7 +162,7 @@ void OutputFolder::fill(const std::function<void()>& write) const {
   try {
     write();
   } catch (const std::system_error& error) {
-    std::string text = error.what();
+    std::string text = words_of(error);
     const std::string partial = partial_.string();
     if (text.find(partial) == std::string::npos) throw;
     for (size_t at = 0; (at = text.find(partial, at)) != std::string::npos; at += shown_.string().size())

@@ -15,7 +15,10 @@ class Temporary;
 // In lower case, with its dot: ".mp4" of "Film.MP4"; empty when there is none.
 std::string extension_of(const std::filesystem::path& file);
 
-// Throws BadInput when there is no such file or it cannot be read.
+// Throws BadInput when there is no such file, or it cannot be read.
+void check_input(const std::filesystem::path& file);
+
+// And when it is a pipe, which would be waited for, or a device.
 void check_input_file(const std::filesystem::path& file);
 
 // Throws BadInput when `file` could not be written: its folder is missing or read-only, or it is a folder itself.

@@ -3,24 +3,38 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <filesystem>
 #include <thread>
 
 #include "device/tool/process/progress_bar.h"
 
 namespace ldp {
 
+namespace {
+
+constexpr std::array kFaults{ENOSPC,    EIO,   ENOMEM, EAGAIN,  EMFILE, ENFILE, EROFS,
+                             ETIMEDOUT, EBUSY, ENODEV, ENOBUFS, EDQUOT, ESTALE};
+
+}  // namespace
+
 bool is_machine_fault(const std::error_code& code) {
-  constexpr std::array kFaults{std::errc::no_space_on_device,      std::errc::io_error,
-                               std::errc::not_enough_memory,       std::errc::resource_unavailable_try_again,
-                               std::errc::too_many_files_open,     std::errc::too_many_files_open_in_system,
-                               std::errc::read_only_file_system,   std::errc::timed_out,
-                               std::errc::device_or_resource_busy, std::errc::no_such_device,
-                               std::errc::no_buffer_space};
-  const auto is_this = [&](std::errc fault) { return code == fault; };
-  const bool beyond_posix = code.category() == std::generic_category() || code.category() == std::system_category()
-                                ? code.value() == EDQUOT || code.value() == ESTALE
-                                : false;
-  return beyond_posix || std::any_of(kFaults.begin(), kFaults.end(), is_this);
+  const std::error_condition condition = code.default_error_condition();
+  return condition.category() == std::generic_category() &&
+         std::find(kFaults.begin(), kFaults.end(), condition.value()) != kFaults.end();
+}
+
+std::optional<std::error_code> machine_fault_in(std::string_view said) {
+  for (const int fault : kFaults) {
+    const std::error_code code(fault, std::generic_category());
+    if (said.find(code.message()) != std::string_view::npos) return code;
+  }
+  return std::nullopt;
+}
+
+std::string words_of(const std::system_error& error) {
+  const auto* const of_files = dynamic_cast<const std::filesystem::filesystem_error*>(&error);
+  if (of_files == nullptr || of_files->path1().empty()) return error.what();
+  return "cannot use " + of_files->path1().string() + ": " + error.code().message();
 }
 
 int Session::thread_count() const {

@@ -1,9 +1,11 @@
 // What every command shares: the common options, a job that Ctrl-C stops, and exit statuses.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include "core/base/job.h"
@@ -33,6 +35,12 @@ struct MachineFault : std::runtime_error {
 // Whether a system call failed for want of something that another machine, or another time, may have: room, memory,
 // descriptors, a disk that answers. What was named wrongly, or may not be used, is not that.
 bool is_machine_fault(const std::error_code& code);
+
+// Such a fault in the words of another program.
+std::optional<std::error_code> machine_fault_in(std::string_view said);
+
+// What it says, for people: std::filesystem's own text names its functions.
+std::string words_of(const std::system_error& error);
 
 class ProgressBar;
 

@@ -39,6 +39,22 @@ std::string with_switches(const std::string& message) {
   return text;
 }
 
+std::string in_shell(const std::vector<std::string>& words) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_@%+=:,./-";
+  std::string line;
+  for (const std::string& word : words) {
+    if (!line.empty()) line += ' ';
+    if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) {
+      line += word;
+      continue;
+    }
+    line += '\'';
+    for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    line += '\'';
+  }
+  return line;
+}
+
 std::vector<std::string> with_switches(const std::vector<std::string>& messages) {
   std::vector<std::string> texts;
   for (const std::string& message : messages) texts.push_back(with_switches(message));

@@ -11,4 +11,7 @@ namespace ldp {
 std::string with_switches(const std::string& message);
 std::vector<std::string> with_switches(const std::vector<std::string>& messages);
 
+// Words as a shell takes them, those that need it between quotes.
+std::string in_shell(const std::vector<std::string>& words);
+
 }  // namespace ldp

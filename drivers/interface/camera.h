@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -66,6 +67,9 @@ class CameraDevice {
   virtual ~CameraDevice() = default;
   virtual std::string name() const = 0;  // what the device calls itself, for capture.json
   virtual CameraMode mode() const = 0;
+  // What takes long before the first `start`, where anything does; goes on where it was left. False: `give_up` said
+  // true, and it is not done. `start` does what is left of it, however long that takes.
+  virtual bool prepare(const std::function<bool()>& /*give_up*/) { return true; }
   virtual void start() = 0;                       // streams until `stop`; throws CameraLost
   virtual void stop() = 0;                        // never throws; frames not yet read are dropped
   virtual int fd() const = 0;                     // the same one for the object's life; poll it only while started

@@ -28,3 +28,10 @@ secret="$room/out/wpa_supplicant.conf"
 rm "$secret" && mkdir "$secret"
 if "$card" "$room/radio.toml" -o "$room/out" 2>"$room/said"; then echo 'a secret that was not written is no fault'; exit 1; fi
 grep -q "ldp-card: cannot write $secret" "$room/said" || { cat "$room/said"; exit 1; }
+
+# Names write no control sequences onto the terminal.
+odd="$room/odd$(printf '\033').toml"
+cp "$room/wrong.toml" "$odd"
+"$card" "$odd" 2>"$room/said"
+grep -q 'odd\\x1b.toml:1: ' "$room/said" || { cat -v "$room/said"; exit 1; }
+! grep -q "$(printf '\033')" "$room/said" || { cat -v "$room/said"; exit 1; }

@@ -103,7 +103,7 @@ def linear(srgb):
 
 def render(folder, *options):
     return subprocess.run([PROGRAM, "render", BLOCKS, "--path", "sway", "--frames", "2", "--size", "%dx%d" % SIZE,
-                           "-o", folder, *options], capture_output=True, text=True)
+                           "--fill", "none", "-o", folder, *options], capture_output=True, text=True)
 
 
 def check_view(stem):

@@ -55,8 +55,8 @@ static void* libc(const char* name) { return dlsym(RTLD_NEXT, name); }
 static const struct {
   const char* name;
   int number;
-} kErrors[] = {{"ENOSPC", ENOSPC}, {"EIO", EIO},       {"EROFS", EROFS},   {"EINTR", EINTR},  {"EMFILE", EMFILE},
-               {"ENOMEM", ENOMEM}, {"EAGAIN", EAGAIN}, {"EINVAL", EINVAL}, {"EACCES", EACCES}};
+} kErrors[] = {{"ENOSPC", ENOSPC}, {"EIO", EIO},       {"EROFS", EROFS},   {"EINTR", EINTR},   {"EMFILE", EMFILE},
+               {"ENOMEM", ENOMEM}, {"EAGAIN", EAGAIN}, {"EINVAL", EINVAL}, {"EACCES", EACCES}, {"ENXIO", ENXIO}};
 
 static int error_of(const char* name) {
   for (size_t i = 0; i < sizeof kErrors / sizeof *kErrors; ++i)

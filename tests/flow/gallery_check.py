@@ -312,12 +312,21 @@ class Start(unittest.TestCase):
             self.assertEqual(json.loads(server.ask("/panoramas.json")[2])["panoramas"], [])
             self.assertEqual(server.stop(), 130)
 
+    def test_the_token_may_come_through_a_pipe(self):
+        with tempfile.TemporaryDirectory() as folder:
+            script = 'exec "$0" serve "$1" --listen 127.0.0.1:0 --token-file <(echo "$2")'
+            server = Server(folder, command=["bash", "-c", script, LDP, folder, TOKEN])
+            self.assertEqual(server.ask("/panoramas.json")[0], 200)
+            self.assertEqual(server.stop(), 130)
+
     def test_what_cannot_be_meant_is_refused_in_words(self):
         with tempfile.TemporaryDirectory() as folder:
             short = pathlib.Path(folder) / "token"
             short.write_text("short\n")
             for words, said in [(["/nonexistent"], "cannot open the folder /nonexistent: No such file or directory: give the folder"), ([folder, "--listen", "nonsense"], "is no address"),
-                                ([folder, "--listen", "192.0.2.1:80"], "cannot listen on"), ([folder, "--token-file", short], "16 characters")]:
+                                *[([folder, "--listen", port], "is no address to listen on: HOST:PORT") for port in (":70000", ":-1", ":http", ":80x", ":")],
+                                ([folder, "--listen", "192.0.2.1:80"], "cannot listen on"), ([folder, "--token-file", short], "16 characters"),
+                                ([folder, "--token-file", folder + "/missing"], "missing: there is no such file")]:
                 done = subprocess.run([LDP, "serve", *map(str, words)], capture_output=True, text=True, timeout=20)
                 self.assertNotEqual(done.returncode, 0)
                 self.assertIn(said, done.stderr)

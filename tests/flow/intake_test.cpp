@@ -1,5 +1,8 @@
 // What photos may come in besides a folder: lists, archives, films, HEIC and raw photos; and what is refused of them.
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <thread>
@@ -67,6 +70,48 @@ TEST_F(Intakes, PhotosMayBeNamedOneByOneOrInAList) {
   for (const std::string& name : names) turned << name << "\n";
   turned.close();
   EXPECT_NE(told({"@" + path("turned.txt")}), of_folder) << "a list has an order of its own";
+}
+
+TEST_F(Intakes, PipesAndDevicesAreRefusedAndNotWaitedFor) {
+  const std::string pipe = path("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const std::vector<std::string> soon{"timeout", "20"};
+  const std::string says = "pipe: is a pipe or a device: give the name of a regular file", first = photos().front();
+  const std::vector<std::vector<std::string>> commands = {
+      {"build", pipe, "-o", path("b.ldp")},
+      {"build", "@" + pipe, "-o", path("b.ldp")},
+      {"build", first, pipe, "-o", path("b.ldp")},
+      {"poses", folder_, "--cameras", pipe},
+      {"info", pipe},
+      {"verify", pipe},
+      {"export", pipe, "-o", path("b.jpg")},
+      {"render", pipe, "--path", "sway", "-o", path("views")},
+      {"render", photos().back(), "--cameras", pipe, "-o", path("views")}};
+  for (const auto& words : commands) expect_refusal(words, 2, says, soon);
+  for (const char* const name : {"cameras.bin", "images.bin"}) {
+    fs::create_directories(path("sparse"));
+    ASSERT_EQ(::mkfifo(path("sparse/" + std::string(name)).c_str(), 0600), 0);
+  }
+  expect_refusal({"poses", folder_, "--cameras", path("sparse")}, 2, "cameras.bin: is a pipe or a device", soon);
+  fs::remove(folder_ + "/capture.json");
+  ASSERT_EQ(::mkfifo((folder_ + "/capture.json").c_str(), 0600), 0);
+  expect_refusal({"poses", folder_}, 2, "capture.json: is no regular file", soon);
+  expect_refusal({"build", "@/dev/null", "-o", path("b.ldp")}, 2, "/dev/null: is a pipe or a device");
+}
+
+TEST_F(Intakes, WhatMayNotBeLookedAtIsNotTakenForMissing) {
+  std::vector<std::string> stranger;  // root may look at everything
+  if (::geteuid() == 0) stranger = {"setpriv", "--reuid", "65534", "--clear-groups"};
+  fs::create_directories(path("closed/photos"));
+  fs::permissions(path("closed"), fs::perms::none);
+  expect_refusal({"summary", path("closed")}, 2, "closed: Permission denied: check the name and its permissions",
+                 stranger);
+  for (const std::string name : {"photos", "a.zip"})
+    expect_refusal({"poses", path("closed/" + name)}, 2, name + ": cannot be looked at (Permission denied)", stranger);
+  expect_refusal({"info", path("closed/a.ldp")}, 2, "a.ldp: cannot be looked at (Permission denied)", stranger);
+  expect_refusal({"build", folder_, "-o", path("closed/photos/b.ldp")}, 2,
+                 "b.ldp: cannot be written (Permission denied)", stranger);
+  fs::permissions(path("closed"), fs::perms::owner_all);
 }
 
 TEST_F(Intakes, ListsThatCannotBeMeantAreRefused) {

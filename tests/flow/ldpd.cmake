@@ -1,6 +1,8 @@
 if(LDP_DRIVERS)
   find_package(LCMLean REQUIRED)
-  ldp_test(ldpd_test SOURCES ldpd_test.cpp service_faults_test.cpp USES ldp_service ldp_photos ldp_backends ldp_hardware LCMLean::lcm)
+  ldp_test(ldpd_test SOURCES ldp_capture_test.cpp ldpd_builds_test.cpp ldpd_button_test.cpp ldpd_kills_test.cpp ldpd_lcm_test.cpp
+           ldpd_test.cpp service_faults_test.cpp
+           USES ldp_service ldp_photos ldp_backends ldp_hardware LCMLean::lcm)
   target_compile_definitions(ldpd_test PRIVATE LDPD_PROGRAM="$<TARGET_FILE:ldpd>" LDP_DEVICE_PROGRAM="$<TARGET_FILE:ldp-device>")
   target_compile_definitions(ldpd_test PRIVATE LDP_FAULTS="$<TARGET_FILE:faults>")
   add_dependencies(ldpd_test ldpd ldp-device faults)

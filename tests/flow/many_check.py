@@ -51,7 +51,7 @@ class Many(unittest.TestCase):
 
     def test_other_options_photos_and_inputs_need_another_build(self):
         self.needed()
-        self.assertTrue(self.needed("--block", "8"))
+        self.assertTrue(self.needed("--block", "16"))
         self.assertTrue(self.needed())
         self.assertTrue(self.needed("--cameras", self.room / "made/transforms.json"))
         self.assertFalse(self.needed("--cameras", self.room / "made/transforms.json"))
@@ -67,6 +67,7 @@ class Many(unittest.TestCase):
         self.assertTrue(self.needed(), "a photo that is newer")
         self.assertTrue(self.needed("--report", self.room / "a.json"), "the report is not there")
         self.assertFalse(self.needed("--report", self.room / "a.json"))
+        self.assertFalse(self.needed("--report", "/dev/null"), "it keeps nothing, whatever it is told")
 
     def test_photos_in_a_list_in_an_archive_and_beside_their_panorama_are_built_once_too(self):
         own = shutil.copytree(self.room / "photos", self.room / "own")

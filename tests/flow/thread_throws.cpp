@@ -2,6 +2,7 @@
 // named by LDP_FOLDER holds a hidden entry (what is not finished yet); what it throws, LDP_THROWS names.
 #include <chrono>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <new>
 #include <stdexcept>
@@ -17,6 +18,16 @@ bool has_hidden(const char* folder) {
   return false;
 }
 
+// What compilers make of a destructor that is left by an exception while one further out would be caught.
+struct EndsTheProgram {
+  ~EndsTheProgram() { std::terminate(); }
+};
+
+[[gnu::noinline]] size_t end_before_it_is_caught(size_t length) {
+  const EndsTheProgram last;
+  return std::string(length, '.').find(',');
+}
+
 struct Thrower {
   Thrower() {
     const char *const folder = std::getenv("LDP_FOLDER"), *const what = std::getenv("LDP_THROWS");
@@ -24,6 +35,10 @@ struct Thrower {
     std::thread([folder, text = std::string(what)] {
       while (!has_hidden(folder)) std::this_thread::sleep_for(std::chrono::milliseconds(2));
       if (text == "bad_alloc") throw std::bad_alloc();
+      try {
+        if (text == "in_a_destructor") end_before_it_is_caught(size_t{1} << 62);
+      } catch (const std::bad_alloc&) {
+      }
       throw std::runtime_error(text);
     }).detach();
   }

@@ -17,6 +17,7 @@
 #include "core/captures/opengl_pose.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/view/camera_path.h"
+#include "core/view/framing.h"
 #include "core/view/render.h"
 #include "device/library/ldp.h"
 #include "tests/golden/synthetic_panorama.h"
@@ -146,8 +147,8 @@ TEST(Library, RendersTheBytesOfTheRenderer) {
   const LayeredPanorama truth = decode_ldp(file);
   const Renderer renderer(truth);
   const Open panorama = open(file);
-  CameraPathOptions path{CameraPath::sway, 4, 120, 90, 1};
-  const std::vector<Camera> cameras = camera_path(truth, path);
+  const CameraPathOptions path{CameraPath::sway, 4, 120, 90, 1};
+  const std::vector<Camera> cameras = camera_path(truth, framed_inside(truth, renderer, path));
   const std::vector<ldp_camera> same = path_of(*panorama, 4);
   for (size_t i = 0; i < cameras.size(); ++i) {
     for (const Fill fill : {Fill::none, Fill::background}) {

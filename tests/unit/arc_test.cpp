@@ -239,19 +239,23 @@ TEST(LayGrid, DepthsComeFromThePointsAndFarSceneryIsAtInfinity) {
   EXPECT_EQ(lay_grid(arc, cameras, shell(1, 40), GridOptions{}).w_far, 0);
 }
 
-TEST(LayGrid, AFewPointsOfThreeCamerasAreSomethingNearFewerOrUnsureOnesAreNot) {
+TEST(LayGrid, AFewPointsOfThreeCamerasAreSomethingThereFewerOrUnsureOnesAreNot) {
   const std::vector<Camera> cameras = sweep({});
   const Arc arc = fit_arc(cameras).arc;
-  const auto near_depth = [&](int count, const std::vector<int>& seen_by) {
+  const auto with = [&](int count, double depth, const std::vector<int>& seen_by) {
     std::vector<ScenePoint> points = shell(2, 4);
-    for (int i = 0; i < count; ++i) points.push_back({kCentre + Eigen::Vector3d(0.7 + 1, 0.01 * i, 0), seen_by});
-    return 1 / lay_grid(arc, cameras, points, {}).w_near;
+    for (int i = 0; i < count; ++i) points.push_back({kCentre + Eigen::Vector3d(0.7 + depth, 0.01 * i, 0), seen_by});
+    return lay_grid(arc, cameras, points, {});
   };
-  const double without = near_depth(0, {});
-  EXPECT_NEAR(without, 2, 0.5);
-  EXPECT_NEAR(near_depth(8, {0, 1, 2}), 1, 0.2);
-  EXPECT_NEAR(near_depth(7, {0, 1, 2}), without, 0.1);  // a point more moves the percentile
-  EXPECT_NEAR(near_depth(8, {0, 1}), without, 0.1);
+  const PanoramaGrid without = with(0, 0, {});
+  EXPECT_NEAR(1 / without.w_near, 2, 0.5);
+  EXPECT_NEAR(1 / with(8, 1, {0, 1, 2}).w_near, 1, 0.2);
+  EXPECT_NEAR(1 / with(7, 1, {0, 1, 2}).w_near, 1 / without.w_near, 0.1);  // a point more moves the percentile
+  EXPECT_NEAR(1 / with(8, 1, {0, 1}).w_near, 1 / without.w_near, 0.1);
+  EXPECT_NEAR(1 / without.w_far, 4, 1);
+  EXPECT_NEAR(1 / with(8, 7, {0, 1, 2}).w_far, 7 * 1.15, 0.1);
+  EXPECT_NEAR(1 / with(7, 7, {0, 1, 2}).w_far, 1 / without.w_far, 0.1);
+  EXPECT_NEAR(1 / with(8, 7, {0, 1}).w_far, 1 / without.w_far, 0.1);
 }
 
 TEST(LayGrid, WhatPhotosMatchNearerWidensTheRangeAsFarAsTheHandKeptToTheArc) {

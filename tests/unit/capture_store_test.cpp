@@ -13,6 +13,7 @@
 
 #include "core/base/files.h"
 #include "device/capture/frame_writer.h"
+#include "device/capture/log.h"
 #include "device/service/builds/build_child.h"
 #include "device/service/sweep_run.h"
 
@@ -312,6 +313,13 @@ TEST_F(CaptureStoreTest, AFrameThatCannotBeEncodedIsNotRecorded) {
   }
   std::ifstream file(output_ / "capture.json");
   EXPECT_TRUE(nlohmann::json::parse(file).at("frames").empty());
+}
+
+TEST(Log, NamesWriteNoControlSequencesOntoTheTerminal) {
+  testing::internal::CaptureStderr();
+  log_warning("cannot store: \x1b]0;x\a.jpg");
+  log_note("kept in a\nb");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "warning: cannot store: \\x1b]0;x\\x07.jpg\nkept in a\\x0ab\n");
 }
 
 }  // namespace

@@ -201,6 +201,12 @@ TEST(ColmapModel, RefusesWhatItCannotMeanByItsPlace) {
   EXPECT_THAT(refusal_of("1 PINHOLE 640 0 500 510 320 240\n", image), HasSubstr("sides must be"));
   EXPECT_THAT(refusal_of("1 PINHOLE 640 480 500 -1 320 240\n", image), HasSubstr("focal lengths must be positive"));
   EXPECT_THAT(refusal_of("1 PINHOLE 640 480 500 nan 320 240\n", image), HasSubstr("finite"));
+  EXPECT_EQ(refusal_of("1 PINHOLE 640 480 2621440 510 320 240\n", image), "none") << "4096 times 640";
+  for (const char* const lengths : {"2621441 510 320 240", "500 510 320 -1e9"})
+    EXPECT_THAT(refusal_of(std::string("1 PINHOLE 640 480 ") + lengths + "\n", image),
+                HasSubstr("cameras.txt line 1: focal lengths and principal point must be at most 4096 times"));
+  EXPECT_THAT(refusal_of("1 RADIAL 640 480 500 320 240 0 1e7\n", image), HasSubstr("distortion must be at most 1e6"));
+  EXPECT_THAT(refusal_of(lens, "1 1 0 0 0 0 2e9 0 1 a.jpg\n\n"), HasSubstr("its translation must be at most 1e9"));
   EXPECT_THAT(refusal_of(lens, "1 1 1 0 0 0 0 0 1 a.jpg\n"), HasSubstr("images.txt line 1: its rotation"));
   EXPECT_THAT(refusal_of(lens, "1 1 0 0 0 0 0 0 2 a.jpg\n"), HasSubstr("there is no camera 2"));
   EXPECT_THAT(refusal_of(lens, "1 1 0 0 0 0 0 0 1\n"), HasSubstr("has no name"));

@@ -277,5 +277,24 @@ TEST(SceneCamera, AnUnknownSceneIsNamedWithTheKnownOnes) {
   EXPECT_THAT(complaint([] { open_scene_camera(Url("scene:moon")); }), HasSubstr("garden"));
 }
 
+TEST(SceneCamera, ItsRenderingIsGivenUpBetweenTwoFramesAndGoesOnThere) {
+  const auto camera = open_scene_camera(Url("scene:room?fps=1000&width=32&height=24&frames=5"));
+  int asked = 0;
+  EXPECT_FALSE(camera->prepare([&] { return ++asked == 3; }));
+  EXPECT_EQ(asked, 3);
+  EXPECT_TRUE(camera->prepare([&] { return ++asked == 100; }));
+  EXPECT_EQ(asked, 6) << "two frames were there, and three are rendered";
+  camera->start();
+  ASSERT_TRUE(wait_readable(camera->fd()));
+  EXPECT_TRUE(camera->read());
+}
+
+TEST(SceneCamera, WithoutPreparationTheStartRenders) {
+  const auto camera = open_scene_camera(Url("scene:room?fps=1000&width=32&height=24&frames=2"));
+  camera->start();
+  ASSERT_TRUE(wait_readable(camera->fd()));
+  EXPECT_EQ(camera->read()->width, 32);
+}
+
 }  // namespace
 }  // namespace ldp

@@ -4,12 +4,27 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <fstream>
 #include <functional>
 #include <string>
 #include <system_error>
+#include <tuple>
+
+namespace {
+
+mode_t widest_mode = 0;  // of files when their mode is set
+
+}  // namespace
+
+// Instead of the C library's: notes what the mode was until then.
+extern "C" int fchmod(int fd, mode_t mode) {
+  struct stat status {};
+  if (::fstat(fd, &status) == 0) widest_mode |= status.st_mode & 0777U;
+  return static_cast<int>(::syscall(SYS_fchmod, fd, mode));
+}
 
 namespace ldp {
 namespace {
@@ -86,6 +101,56 @@ TEST_F(Files, ASecretOneIsForItsOwnerAloneWhateverWasThere) {
   fs::create_directory(folder_ / "taken");
   EXPECT_THAT(message_of([&] { write_secret_file(folder_ / "taken", "a password"); }), HasSubstr("cannot write"));
   EXPECT_EQ(files(), 2U);
+}
+
+TEST_F(Files, WhoMayReadAFileMayReadTheOneThatReplacesItAndNobodyElse) {
+  const auto mode = [&](const char* name) { return fs::status(folder_ / name).permissions(); };
+  for (const fs::perms wanted : {fs::perms(0400), fs::perms(0600), fs::perms(0664)}) {
+    for (const char* const name : {"written", "moved"}) {
+      write_file(folder_ / name, "old");
+      fs::permissions(folder_ / name, wanted);
+    }
+    write_file(folder_ / "written", "new");
+    EXPECT_EQ(mode("written"), wanted);
+    write_file(folder_ / "made", "new");
+    move_file(folder_ / "made", folder_ / "moved");
+    EXPECT_EQ(mode("moved"), wanted);
+  }
+}
+
+TEST_F(Files, AFileOfAnotherStaysTheirs) {
+  if (::geteuid() != 0) GTEST_SKIP() << "skipped: only root gives files away";
+  constexpr uid_t kNobody = 65534;
+  for (const char* const name : {"written", "moved"}) {
+    write_file(folder_ / name, "old");
+    ASSERT_EQ(::chmod((folder_ / name).c_str(), 0640), 0);
+    ASSERT_EQ(::chown((folder_ / name).c_str(), kNobody, kNobody), 0);
+  }
+  write_file(folder_ / "written", "new");
+  write_file(folder_ / "made", "new");
+  move_file(folder_ / "made", folder_ / "moved");
+  for (const char* const name : {"written", "moved"}) {
+    struct stat status {};
+    ASSERT_EQ(::stat((folder_ / name).c_str(), &status), 0);
+    EXPECT_EQ(std::tuple(status.st_uid, status.st_gid, status.st_mode & 0777U), std::tuple(kNobody, kNobody, 0640U));
+  }
+}
+
+TEST_F(Files, WhatReplacesAFileIsAtNoMomentForMoreThanThat) {
+  const mode_t before = ::umask(0);
+  write_file(folder_ / "a", "old");
+  fs::permissions(folder_ / "a", fs::perms(0640));
+  widest_mode = 0;
+  write_file(folder_ / "a", "new");
+  ::umask(before);
+  EXPECT_EQ(widest_mode & ~0640U, 0U) << std::oct << widest_mode;
+}
+
+TEST_F(Files, NamesBesideAreHiddenAndNeverTheSame) {
+  const std::string first = name_beside(folder_ / "film.mp4", ".partial-", ".mp4").string();
+  EXPECT_EQ(first.rfind((folder_ / ".film.mp4.partial-").string(), 0), 0U) << first;
+  EXPECT_TRUE(first.ends_with(".mp4"));
+  EXPECT_NE(name_beside(folder_ / "film.mp4", ".partial-", ".mp4"), first);
 }
 
 TEST_F(Files, AMovedFileTakesThePlaceOfAnother) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/panorama/file/ldp_file.h"
 #include "core/pipeline/code_layers.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/pipeline/pipeline_tuning.h"
@@ -114,6 +115,77 @@ TEST(GridLayout, TooLittleMemoryIsRefusedWithWhatWouldDo) {
                                    HasSubstr(" MiB of memory, 1 MiB are allowed (memory_bytes)")));
   laid.options.memory_bytes = 1000;
   EXPECT_THAT(refusal(laid), HasSubstr(" of memory, 1000 bytes are allowed"));
+}
+
+// Of photos as large as asked for, in which nothing is closer together.
+void enlarge(Laid& laid, double times) {
+  for (Camera& camera : laid.poses.cameras) {
+    Intrinsics& k = camera.intrinsics;
+    k.width = static_cast<int>(k.width * times), k.height = static_cast<int>(k.height * times);
+    k.fx *= times, k.fy *= times, k.cx *= times, k.cy *= times;
+  }
+}
+
+TEST(GridLayout, ASecondColumnOfColourIsGivenUpBeforeRowsAre) {
+  Laid all;
+  for (ScenePoint& point : all.poses.points) point.position *= 1.5 / std::hypot(point.position.x(), point.position.y());
+  enlarge(all, 10);
+  const GridLayout finest = all.layout();
+  ASSERT_EQ(finest.columns_of_colour(), 2);
+  const auto needed = [&](int columns) {
+    return expected_memory(finest.grid(), columns, 1400 * 800, 9 * 1400 * 800, all.options.layers).all;
+  };
+  ASSERT_LT(needed(1), needed(2));
+  Laid less = all;
+  less.options.memory_bytes = needed(2) - 1;
+  const GridLayout layout = less.layout();
+  EXPECT_EQ(layout.pitch_px(), 1);
+  EXPECT_EQ(layout.columns_of_colour(), 1);
+  EXPECT_EQ(layout.grid().width, finest.grid().width);
+  EXPECT_THAT(less.notes, IsEmpty());
+}
+
+int64_t colour_pixels(const GridLayout& layout) {
+  return int64_t{layout.grid().width} * layout.columns_of_colour() * layout.grid().height;
+}
+
+TEST(GridLayout, IsCoarserByAsLittleAsAFileAsksForAndSaysSo) {
+  Laid within, beyond;
+  enlarge(within, 80), enlarge(beyond, 150);
+  EXPECT_EQ(within.layout().pitch_px(), 1);
+  EXPECT_THAT(within.notes, IsEmpty());
+  const GridLayout layout = beyond.layout();
+  EXPECT_GT(layout.pitch_px(), 1);
+  EXPECT_LE(colour_pixels(layout), kMaxLdpPixels);
+  EXPECT_GT(static_cast<double>(colour_pixels(layout)), static_cast<double>(kMaxLdpPixels) / 1.05 / 1.06);
+  ASSERT_EQ(beyond.notes.size(), 1U);
+  EXPECT_EQ(beyond.notes[0], "to fit a file, a row of the panorama spans " +
+                                 std::to_string(layout.pitch_px()).substr(0, 4) + " of the photos'");
+}
+
+TEST(GridLayout, IsCoarserWhereAFileHoldsNoGridSoWideOrSoHigh) {
+  Laid wide, high;
+  enlarge(wide, 400), enlarge(high, 170);
+  for (Camera& camera : wide.poses.cameras)  // a strip of it
+    camera.intrinsics.height = 800, camera.intrinsics.cy = 400;
+  for (Camera& camera : high.poses.cameras) {
+    Intrinsics& k = camera.intrinsics;
+    k.height = 23'000, k.cy = 11'500, k.width = 2000, k.cx = 1000;
+  }
+  const GridLayout widest = wide.layout(), highest = high.layout();
+  EXPECT_GT(widest.pitch_px(), 1);
+  EXPECT_LE(widest.grid().width * widest.columns_of_colour(), kMaxLdpWidth);
+  EXPECT_GT(widest.grid().width, kMaxLdpWidth * 0.9);
+  EXPECT_GT(highest.pitch_px(), 1);
+  EXPECT_LE(highest.grid().height, kMaxLdpHeight);
+  EXPECT_GT(highest.grid().height, kMaxLdpHeight * 0.9);
+}
+
+TEST(GridLayout, PhotosOfWhichNoFileHoldsAPanoramaAreRefused) {
+  Laid laid;
+  enlarge(laid, 1500);
+  EXPECT_THAT(refusal(laid), AllOf(HasSubstr("impossible: the panorama would have at least "),
+                                   HasSubstr(" pixels, more than a file holds: use smaller or fewer photos")));
 }
 
 TEST(GridLayout, ScratchFilesAreOpenedOnlyWhereMemoryEndsAndTheirFailureIsNoEnd) {

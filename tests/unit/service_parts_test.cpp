@@ -23,6 +23,7 @@
 #include "device/service/session_tuning.h"
 #include "device/service/sweep_folders.h"
 #include "drivers/interface/clocks.h"
+#include "drivers/led_light.h"
 #include "drivers/led_pattern.h"
 
 namespace ldp {
@@ -95,8 +96,10 @@ TEST(Reasons, AShortSweepNamesWhatMadeItShortAndWhatToDo) {
               AllOf(HasSubstr("hold the button while you turn"), Not(HasSubstr("again"))));
   sweep.end = {Why::camera_lost, "the cable was pulled"};
   EXPECT_EQ(text_of(too_few_frames(sweep)), "only 2 frames, at least 4 are needed: the cable was pulled");
-  sweep.storage_problem = "the disk is full";
+  sweep.storage_problem = {Why::storage_failed, "the disk is full",
+                           std::make_error_code(std::errc::no_space_on_device)};
   EXPECT_EQ(text_of(too_few_frames(sweep)), "only 2 frames, at least 4 are needed: the disk is full");
+  EXPECT_EQ(too_few_frames(sweep).code, std::errc::no_space_on_device);
 }
 
 // --- the loop --------------------------------------------------------------------------------------------------------
@@ -201,7 +204,9 @@ TEST(EndRequest, IsTakenOnceFromAStopToken) {
   EXPECT_FALSE(request.take());
   source.request_stop();
   EXPECT_TRUE(readable(request.fd()));
+  EXPECT_TRUE(request.waits());
   EXPECT_TRUE(request.take());
+  EXPECT_FALSE(request.waits());
   EXPECT_FALSE(request.take());
   EXPECT_FALSE(readable(request.fd()));
 }
@@ -461,6 +466,43 @@ TEST(LedPattern, NoTwoSignsLookTheSameAndNoneIsDark) {
     EXPECT_GT(look.lit, 0);
     EXPECT_TRUE(looks.emplace(look.lit, look.changes).second);
   }
+}
+
+// Walked from change to change, a pattern looks as it does step by step, for some rounds.
+TEST(LedPattern, IsWokenWhenItChangesAndNotBetween) {
+  for (const LedSign sign : kLedSigns) {
+    const uint16_t pattern = led_pattern(sign);
+    int64_t changes_at = 0;
+    int wakes = 0;
+    for (int64_t step = 1; step <= 3 * kLedSteps; ++step) {
+      if (is_lit(pattern, step) == is_lit(pattern, step - 1)) continue;
+      ASSERT_TRUE(steps_to_change(pattern, changes_at).has_value());
+      EXPECT_EQ(changes_at + *steps_to_change(pattern, changes_at), step);
+      changes_at = step;
+      ++wakes;
+    }
+    EXPECT_EQ(wakes, 3 * look_of(sign).changes);
+  }
+  EXPECT_EQ(steps_to_change(led_pattern(LedSign::sweep), 5), std::nullopt);
+  EXPECT_EQ(steps_to_change(led_pattern(LedSign::ready), 7), 9);  // between two changes, too
+}
+
+TEST(LedLight, WakesTheCameraWhenItChangesAndNotBetween) {
+  std::vector<bool> set;
+  LedLight light([&set](bool lit) { set.push_back(lit); });
+  const int64_t end_ns = monotonic_now_ns() + 6 * kLedStep_ns;
+  light.show(led_pattern(LedSign::ready));
+  int wakes = 0;
+  for (bool over = false; !over;) {
+    const int64_t left_ns = end_ns - monotonic_now_ns();
+    over = left_ns <= 0;
+    pollfd entry{light.fd(), POLLIN, 0};
+    if (::poll(&entry, 1, over ? 0 : static_cast<int>(left_ns / 1'000'000) + 1) != 1) continue;
+    light.wake();
+    ++wakes;
+  }
+  EXPECT_EQ(wakes, 1);
+  EXPECT_EQ(set, (std::vector{true, false}));
 }
 
 TEST(LedSign, TellsWhatWasSaidLast) {

@@ -25,6 +25,11 @@ TEST(Switches, TurnsAreGivenByTheirSwitch) {
             "add --turn 90 or --turn 270 (where it stood upright, leave --turn out)");
 }
 
+TEST(Switches, WhatAShellWouldTakeApartIsQuoted) {
+  EXPECT_EQ(in_shell({"photos/a-1.jpg", "my photos", "it's", "", "*.jpg"}),
+            "photos/a-1.jpg 'my photos' 'it'\\''s' '' '*.jpg'");
+}
+
 TEST(Switches, OtherWordsStay) {
   for (const char* text :
        {"a field of view of 60 degrees", "/data/near_depth/a.jpg: ends early", "near_depth.jpg", "a_near_depth"})

@@ -217,7 +217,9 @@ TEST(Sizes, AreNumbersWithAUnitAndNothingElse) {
   const auto read = [](std::string text) { return memory_size("all")(text); };
   for (const char* const good : {"0", "1000", "128M", "128MB", "1G", "2gb", "7k"}) EXPECT_EQ(read(good), "") << good;
   for (const char* const bad : {"", "M", "1.5G", "-1", "+1", "1 M", "1e9", "nan", "0x10", "1M1", "5Q"})
-    EXPECT_EQ(read(bad), "'" + std::string(bad) + "' is not a size such as 128M or 1G, nor 0 for all");
+    EXPECT_EQ(read(bad),
+              "'" + std::string(bad) +
+                  "' is not a size such as 128M or 1G, a whole number of bytes, K, M, G or T, nor 0 for all");
 }
 
 TEST(Numbers, LieWithinTheirBoundsAndNanDoesNot) {

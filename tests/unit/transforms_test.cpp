@@ -100,6 +100,14 @@ TEST(Transforms, EveryRefusalNamesFileFrameAndField) {
   EXPECT_THAT(refusal("{"), HasSubstr("t.json: not valid JSON"));
   EXPECT_THAT(refusal("{\"frames\":\n[3,\n"), HasSubstr("not valid JSON in line 3: was it cut short"));
   EXPECT_THAT(refusal("{\"frames\":[1e999]}"), HasSubstr("t.json: not valid JSON: a number in it is too large"));
+  for (const std::string word : {"NaN", "nan", "Infinity", "inf"})
+    for (const std::string sign : {"", "-"})
+      EXPECT_THAT(refusal("{\"frames\":\n[" + sign + word + "]}"),
+                  HasSubstr("t.json: " + word + " in line 2: give finite numbers only"));
+  EXPECT_THAT(refusal("{\"frames\":\n[nano]}"), HasSubstr("not valid JSON in line 2: was it cut short"));
+  for (const std::string end : {"inf", "/nan", " NaN", "Infinity\n"})
+    EXPECT_THAT(refusal("{\"frames\":[{\"file_path\":\"" + end),
+                HasSubstr("not valid JSON in line 1: was it cut short"));
   EXPECT_THAT(refusal("[]"), HasSubstr("t.json: no list \"frames\""));
   EXPECT_THAT(refusal(R"({"frames":[3]})"), HasSubstr("t.json: frame 0: is not an object"));
   EXPECT_THAT(refusal(R"({"frames":[{}]})"), HasSubstr("t.json: frame 0: file_path is missing"));
@@ -118,6 +126,26 @@ TEST(Transforms, EveryRefusalNamesFileFrameAndField) {
   EXPECT_THAT(refusal(R"({"fl_x":5,"w":6,"h":4,"frames":[{"file_path":"x/a",)" + kIdentity +
                       R"(},{"file_path":"y/a",)" + kIdentity + "}]}"),
               HasSubstr("a second frame named a"));
+}
+
+TEST(Transforms, WhatNoCameraCanBeIsRefused) {
+  const auto matrix = [](const std::string& x, const std::string& last) {
+    return "\"transform_matrix\":[[1,0,0," + x + "],[0,1,0,0],[0,0,1,0],[" + last + "]]";
+  };
+  EXPECT_EQ(refusal(with(kLens, matrix("1e9", "0,0,0,1.0000001"))), "accepted");
+  EXPECT_THAT(refusal(with(kLens, matrix("-1e30", "0,0,0,1"))), HasSubstr("farther away than 1e9"));
+  for (const std::string last : {"1,2,3,0", "0,0,0,2", "0,0,1e-3,1"})
+    EXPECT_THAT(refusal(with(kLens, matrix("0", last))), HasSubstr("must end with the row 0 0 0 1"));
+  for (const std::string field : {"fl_x", "fl_y", "cx", "cy"})
+    for (const std::string length : {"1e30", "2621441"})
+      EXPECT_THAT(refusal(with(kLens, "\"" + field + "\":" + length + "," + kIdentity)),
+                  HasSubstr("fl_x, fl_y, cx and cy must be at most 4096 times w or h"));
+  EXPECT_EQ(refusal(with(kLens, "\"fl_x\":2621440," + kIdentity)), "accepted") << "4096 times 640";
+  for (const std::string field : {"k1", "k2", "p1", "p2"})
+    EXPECT_THAT(refusal(with(kLens, "\"" + field + "\":-1e30," + kIdentity)), HasSubstr("at most 1e6"));
+  for (const std::string path : {"..", "a/..", "a/."})
+    EXPECT_THAT(refusal(R"({"frames":[{"file_path":")" + path + "\"}]}"), HasSubstr("file_path names no file"));
+  EXPECT_THAT(refusal(R"({"frames":[{"file_path":"a\u0000.png"}]})"), HasSubstr("file_path holds a NUL"));
 }
 
 TEST(Transforms, APhotoFindsItsCameraWithOrWithoutExtension) {

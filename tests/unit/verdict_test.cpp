@@ -109,7 +109,7 @@ SweepEvidence clean_sweep() {
     if (i > 0) photo.turn_deg = 12, photo.step = 0.15, photo.forward = 0.01;
     photo.measures = {125, 0.24, 0.23, 0.9, 13};
     photo.shared_points = 300;
-    photo.shift = i == 0 ? 0 : 12.0 / 58;
+    photo.shift = photo.far_shift = i == 0 ? 0 : 12.0 / 58;
     photo.outward = 0.1, photo.sideward = 3, photo.parallax_squares = 0.03, photo.parallax_points = 300;
     photo.directions.resize(15);
     for (size_t d = 0; d < 15; ++d) {
@@ -255,7 +255,7 @@ TEST(Judge, WorseEvidenceNeverRaisesTheExpectation) {
             }),
             clean - 3);
   EXPECT_LT(with([](SweepEvidence& e) {
-              for (auto& p : e.photos) p.shift = 0.5, p.turn_deg *= 2.4;
+              for (auto& p : e.photos) p.shift = p.far_shift = 0.5, p.turn_deg *= 2.4;
             }),
             clean - 1);
   EXPECT_LT(with([](SweepEvidence& e) { e.doubt = DoubtfulPoses::loose; }), clean - 1);
@@ -468,6 +468,16 @@ TEST(TrackFlow, TheShiftIsTheMeanWayOfThePoints) {
     EXPECT_NEAR(aside.photos[i].shift, 0.1 * mean_inverse_depth * k.fx / k.width, 1e-9);
   }
   EXPECT_EQ(aside.photos[0].shift, 0);
+}
+
+// A step aside shifts what is near much more than a small turn would, and what is far hardly.
+TEST(TrackFlow, ThePointsFarthestAwayTellTheTurnsShift) {
+  const SweepEvidence aside = flow_of({0.1, 0, 0});
+  const Intrinsics k = outward_camera(0).intrinsics;
+  for (size_t i = 1; i < 3; ++i) {
+    EXPECT_LT(aside.photos[i].far_shift, 0.1 / 7 * k.fx / k.width + 1e-9);
+    EXPECT_GT(aside.photos[i].far_shift, 0.1 / 8 * k.fx / k.width - 1e-9);
+  }
 }
 
 TEST(TrackFlow, AStepForwardPointsOutwardAndAStepAsideDoesNot) {

@@ -17,6 +17,11 @@ if(CCACHE)
 endif()
 
 add_library(ldp_defaults INTERFACE)
+# Assertions in headers tell their names: as they are on a device, the same wherever the sysroot lies. ccache makes them relative.
+if(CMAKE_SYSROOT)
+  file(RELATIVE_PATH relative_sysroot ${CMAKE_BINARY_DIR} ${CMAKE_SYSROOT})
+  target_compile_options(ldp_defaults INTERFACE -fmacro-prefix-map=${CMAKE_SYSROOT}= -fmacro-prefix-map=${relative_sysroot}=)
+endif()
 # No contraction of a*b+c: poses and tables must not depend on whether the machine has a fused multiply-add.
 target_compile_options(ldp_defaults INTERFACE -ffp-contract=off)
 target_compile_options(ldp_defaults INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion

@@ -5,7 +5,7 @@ export const ABSENT = -1;
 // What a slanted surface may change from one pixel to the next: a share of its inverse depth, and pixels of parallax
 // over one arc radius.
 const SLANT = 0.02;
-const PARALLAX_PX = 1.5;
+const PARALLAX_PX = 6;
 
 /**
  * Inverse depths of codes, and which pixels belong to one surface (core/view/mesh has the same rule).

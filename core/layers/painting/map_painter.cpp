@@ -9,6 +9,7 @@ namespace ldp::layers {
 namespace {
 
 static_assert(kernels::kAbsent == kNoDisparity);
+static_assert(kernels::kLeastForward == static_cast<float>(kLeastForward));
 
 kernels::Linear linear(double at_0, double at_1) { return {static_cast<float>(at_0), static_cast<float>(at_1 - at_0)}; }
 
@@ -103,7 +104,7 @@ bool MapPainter::in_view(Heading h) const {
 bool MapPainter::beside_view(const Sides& sides) const {
   const double end_px = camera_.width, w_far = grid_.inverse_depth(0), w_near = grid_.inverse_depth(kDisparitySteps);
   const auto always = [&](const VoxelProjection::Column& u, const auto& outside) {
-    return projection_.forward(u, w_far) > 0.1 && projection_.forward(u, w_near) > 0.1 &&
+    return projection_.forward(u, w_far) > kLeastForward && projection_.forward(u, w_near) > kLeastForward &&
            outside(projection_.x_px(u, w_far)) && outside(projection_.x_px(u, w_near));
   };
   return always(sides.left, [&](double x_px) { return x_px > end_px + 1; }) ||

@@ -11,7 +11,7 @@ namespace ldp::layers::kernels {
 
 constexpr int kPadding = 8;
 constexpr int kAbsent = 0xFFFF;        // disparity of a pixel that is absent from the layer
-constexpr float kLeastForward = 0.1F;  // times w: what is nearer to a camera than that is not seen
+constexpr float kLeastForward = 0.1F;  // that of core/geometry/voxel_projection.h
 
 // at(x) = constant + slope x.
 struct Linear {

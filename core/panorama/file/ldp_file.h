@@ -24,6 +24,9 @@ struct LdpError : std::runtime_error {
 constexpr int kLdpVersion = 2;  // the newest; a file gets the first version that has what it uses
 constexpr int kMaxLdpWidth = 65535, kMaxLdpHeight = 16368;  // the latter so that any strip is a WebP image
 constexpr int64_t kMaxLdpPixels = int64_t{1} << 28;
+constexpr bool fits_ldp(int width, int height) {
+  return width <= kMaxLdpWidth && height <= kMaxLdpHeight && int64_t{width} * height <= kMaxLdpPixels;
+}
 constexpr int kMaxLdpLayers = 8;
 // Pixels of all layers together: so many in any file, and more with every byte of it. What decoding takes is thereby
 // bounded by what a file says, not by what it claims; a photographed panorama has some ten pixels a byte.

@@ -16,6 +16,7 @@
 #include "core/view/mesh/sparse_columns.h"
 #include "core/view/mesh/torn_quads.h"
 #include "core/view/mesh/underlay.h"
+#include "core/view/tears.h"
 #include "core/view/view_tuning.h"
 
 namespace ldp::view {
@@ -91,8 +92,7 @@ class Builder {
 };
 
 Builder::Builder(const PanoramaGrid& grid) : grid_(grid), depths_(grid) {
-  const double radius = grid_.arc.radius > 0 ? grid_.arc.radius : 1;
-  parallax_ = static_cast<float>(kParallaxPx * grid_.v_pitch / radius);
+  parallax_ = static_cast<float>(surface_slack(grid_));
 }
 
 void Builder::add(const Layer& layer) {

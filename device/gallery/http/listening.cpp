@@ -3,9 +3,11 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstdlib>
 #include <memory>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 
 #include "device/gallery/http/server.h"
@@ -19,9 +21,17 @@ struct Address {
   std::string host, port;
 };
 
+// getaddrinfo would take 70000 for 4464.
+bool is_port(std::string_view text) {
+  constexpr unsigned kMost = 65535;
+  unsigned port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  return error == std::errc() && end == text.data() + text.size() && port <= kMost;
+}
+
 Address parts_of(const std::string& text) {
   const size_t colon = text.rfind(':');
-  if (colon == std::string::npos || colon + 1 == text.size())
+  if (colon == std::string::npos || !is_port(std::string_view(text).substr(colon + 1)))
     throw std::runtime_error("'" + text + "' is no address to listen on: HOST:PORT, such as 127.0.0.1:8080");
   Address address{text.substr(0, colon), text.substr(colon + 1)};
   if (address.host.size() > 1 && address.host.front() == '[' && address.host.back() == ']')

@@ -103,12 +103,12 @@ class Http : public httplib::Server {
 // Requests that wait, and the threads that answer them.
 class Counter {
  public:
-  // Goes on with the threads that the system has room for; throws std::system_error where that is none.
+  // Goes on with the threads that the system has room for; throws where that is none.
   Counter(const Service& service, int listening, Lobby& lobby) : http_(service, listening), lobby_(lobby) {
     threads_.reserve(kServers);
     try {
       for (int i = 0; i < kServers; ++i) threads_.emplace_back([this] { work(); });
-    } catch (const std::system_error&) {
+    } catch (const std::exception&) {  // no memory is as good a reason: those that run would end the program
       if (threads_.empty()) throw;
     }
   }

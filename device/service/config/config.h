@@ -11,6 +11,10 @@
 
 namespace ldp {
 
+// What the service's configuration, and a card's, may say.
+inline constexpr double kLeastArm_m = 0.05, kLongestArm_m = 10;
+inline constexpr double kLeastSwitchOff_s = 4, kMostSwitchOff_s = 60;  // or 0
+
 struct Config {
   std::string camera = "libcamera:0";
   std::string button = "gpiod:name=capture-button?active_low=yes&bias=pull-up";

@@ -1,5 +1,6 @@
 #include "device/service/events/end_request.h"
 
+#include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
@@ -42,6 +43,11 @@ EndRequest::EndRequest(std::stop_token stop) : fd_(stop.stop_possible() ? event_
 bool EndRequest::take() {
   char request[sizeof(signalfd_siginfo)];
   return ::read(fd_.get(), request, sizeof request) > 0;
+}
+
+bool EndRequest::waits() const {
+  pollfd entry{fd_.get(), POLLIN, 0};
+  return ::poll(&entry, 1, 0) > 0;
 }
 
 }  // namespace ldp

@@ -17,6 +17,7 @@ class EndRequest {
 
   int fd() const { return fd_.get(); }  // readable when it was asked to end
   bool take();                          // one request; false if there is none
+  bool waits() const;                   // to be taken
 
  private:
   UniqueFd fd_;

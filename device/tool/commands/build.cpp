@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "core/base/files.h"
+#include "core/base/markup_text.h"
 #include "core/base/processor_time.h"
 #include "core/captures/json_text.h"
 #include "core/panorama/file/ldp_file.h"
@@ -66,28 +67,29 @@ void add_metadata(const CaptureNotes& notes, LayeredPanorama& panorama) {
 
 void print_summary(const BuildCommand& command, const BuildResult& result, size_t bytes, double seconds) {
   const LayeredPanorama& panorama = result.panorama;
-  std::printf("%s: %dx%d, %zu layers, %zu of %zu photos, %zu bytes, %.1f s\n", command.output.c_str(),
+  std::printf("%s: %dx%d, %zu layers, %zu of %zu photos, %zu bytes, %.1f s\n", printable(command.output).c_str(),
               panorama.grid.width, panorama.grid.height, panorama.layers.size(), panorama.cameras.size(),
               result.report.poses.frames.size(), bytes, seconds);
   for (const FrameReport& frame : result.report.poses.frames) {
-    if (!frame.posed) std::printf("%s: left out: %s\n", frame.name.c_str(), words_of(frame.left_out).c_str());
+    if (!frame.posed)
+      std::printf("%s: left out: %s\n", printable(frame.name).c_str(), words_of(frame.left_out).c_str());
   }
   for (const std::string& note : with_switches(result.report.notes))
-    std::fprintf(stderr, "ldp build: %s\n", note.c_str());
+    std::fprintf(stderr, "ldp build: %s\n", printable(note).c_str());
   std::printf("%s\n", text_of(result.report.quality).c_str());
 }
 
 // The exit status. The file is written all the same: it may be all there is of the place.
 int judged(const BuildCommand& command, const SweepQuality& quality) {
   if (!command.strict || quality.grade != Grade::sweep_again) return kDone;
-  std::fprintf(stderr, "ldp build: %s: %s (--strict)\n", command.output.c_str(), text_of(quality).c_str());
+  std::fprintf(stderr, "ldp build: %s: %s (--strict)\n", printable(command.output).c_str(), text_of(quality).c_str());
   return kCannotBeDone;
 }
 
 void check_outputs(const BuildCommand& command) {
   if (command.output.empty())
     throw BadInput("-o FILE.ldp is missing or empty: name the panorama to write, such as: ldp build " +
-                   command.setup.capture() + " -o room.ldp");
+                   in_shell(command.setup.captures) + " -o room.ldp");
   check_output_file(command.output, OutputKind::panorama);
   if (std::filesystem::weakly_canonical(command.report) == std::filesystem::weakly_canonical(command.output))
     throw BadInput(command.report + ": is named for the panorama and for the report: choose two names");
@@ -98,14 +100,16 @@ void check_estimate(const BuildCommand& command) {
   if (!command.report.empty())
     throw BadInput(
         "--estimate builds nothing that --report could tell of: leave that out, or keep the estimate by --json > " +
-        command.report);
+        in_shell({command.report}));
   if (!command.debug.empty())
     throw BadInput("--estimate builds nothing that --debug could draw: leave one of them out");
 }
 
+// One to /dev/null, or to a pipe, told whoever wanted to know.
 bool tells_of_success(const std::string& report) {
-  return std::filesystem::exists(report) &&
-         !nlohmann::json::parse(read_file(report), nullptr, false).contains("failure");
+  const std::filesystem::file_status status = std::filesystem::status(report);
+  if (!std::filesystem::is_regular_file(status)) return std::filesystem::exists(status);
+  return !nlohmann::json::parse(read_file(report), nullptr, false).contains("failure");
 }
 
 // The panorama that is there already where nothing needs to be done.
@@ -122,7 +126,7 @@ int tell_earlier(const BuildCommand& command, const LdpDescription& earlier, boo
         {"file", command.output}, {"made_already", true}, {"quality", quality_json(figures)}};
     std::printf("%s\n", json_text(json, 1).c_str());
   } else {
-    std::printf("%s: made already from the same photos and options\n", command.output.c_str());
+    std::printf("%s: made already from the same photos and options\n", printable(command.output).c_str());
   }
   const std::optional<SweepQuality> quality = quality_from(figures);
   return quality ? judged(command, *quality) : kDone;
@@ -146,6 +150,7 @@ int run(const BuildCommand& command, const Session& session) {
   setup.scratch = std::filesystem::absolute(command.output).parent_path().string();
   PreparedBuild prepared = prepare(setup, job);
   const std::string recipe = command.if_needed ? recipe_of(command.setup, prepared) : "";
+  keep_out_of_capture(command.debug, "--debug", prepared);
   if (command.if_needed)
     if (const auto there = earlier(command, recipe, prepared, job)) return tell_earlier(command, *there, session.json);
   prepared.options.scratch_directory = setup.scratch;
@@ -199,8 +204,8 @@ void add_build(Program& program) {
   app.add_flag("--strict", command->strict, "Exit with status 1 when the verdict is 'sweep again'; the file is kept");
   app.add_flag(
          "--if-needed", command->if_needed,
-         "Do nothing if the .ldp file is sound, no input is newer, and it was made so from the same photos with the "
-         "same options")
+         "Do nothing if the .ldp file is sound, no input is newer, and it was made so, with --if-needed too, from the "
+         "same photos with the same options")
       ->excludes("--follow");
   app.add_flag(
          "--estimate", command->estimate,

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/geometry/degrees.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/photos/left_out.h"
 #include "device/tool/json/quality_json.h"
@@ -37,7 +37,7 @@ double root_mean_square(const std::vector<double>& values) {
 Json arc_json(const ArcFit& fit) {
   Json json;
   json["radius"] = fit.arc.radius;
-  json["covered_degrees"] = (fit.arc.theta_end - fit.arc.theta_begin) * 57.29577951308232;
+  json["covered_degrees"] = (fit.arc.theta_end - fit.arc.theta_begin) * kDegreesPerRadian;
   json["closed"] = fit.arc.closed;
   json["straight"] = fit.straight;
   json["radial_rms"] = root_mean_square(fit.radial_residuals);
@@ -102,7 +102,6 @@ Json residuals_json(const ResidualStatistics& of) {
 }
 
 Json consistency_json(const ConsistencyReport& report) {
-  constexpr double kDegrees = 180 / std::numbers::pi;
   Json json = residuals_json(report.all);
   json["photos"] = Json::array();
   for (const PhotoResiduals& photo : report.photos) {
@@ -115,7 +114,7 @@ Json consistency_json(const ConsistencyReport& report) {
   }
   json["directions"] = Json::array();
   for (const DirectionResiduals& direction : report.directions) {
-    Json entry = {{"from_deg", direction.from * kDegrees}, {"to_deg", direction.to * kDegrees}};
+    Json entry = {{"from_deg", direction.from * kDegreesPerRadian}, {"to_deg", direction.to * kDegreesPerRadian}};
     entry.update(residuals_json(direction.statistics));
     json["directions"].push_back(std::move(entry));
   }

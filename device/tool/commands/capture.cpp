@@ -1,5 +1,6 @@
 // ldp capture: one sweep into a capture folder, by the capture service's own code.
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "core/captures/field_of_view.h"
 #include "core/captures/json_text.h"
 #include "device/service/capture_session.h"
+#include "device/service/reasons.h"
 #include "device/tool/commands.h"
 #include "device/tool/number_within.h"
 #include "device/tool/process/interrupt.h"
@@ -69,10 +71,16 @@ class NewFolder {
   WhenCutOff when_cut_off_;
 };
 
+[[noreturn]] void refuse(const Reason& failure) {
+  if (failure.why == Why::no_room || is_machine_fault(failure.code)) throw MachineFault(text_of(failure));
+  throw Impossible(text_of(failure));
+}
+
 int run_capture(CaptureCommand command, const Session& session) {
   Config& config = command.config;
   refuse_used_folder(config.output);
   if (!command.mode.empty()) config.mode = command.mode == "hold" ? ButtonMode::hold : ButtonMode::toggle;
+  config.min_frames = std::min(config.min_frames, config.max_frames);
   for (const ConfigMistake& mistake : wrong_values(config)) throw BadInput("--" + mistake.text);
   std::optional<Unhurried> unhurried;
   NewFolder folder(config.output);
@@ -82,7 +90,7 @@ int run_capture(CaptureCommand command, const Session& session) {
     const int status = capture.run();
     if (capture.frames_stored() == 0) folder.keep_nothing();
     if (session.stop.stop_requested()) return kInterrupted;
-    if (status != kDone) throw Impossible(capture.last_failure());
+    if (status != kDone) refuse(capture.last_failure());
     if (session.json) {
       const nlohmann::ordered_json json{{"capture", config.output}, {"frames", capture.frames_stored()}};
       std::printf("%s\n", json_text(json).c_str());

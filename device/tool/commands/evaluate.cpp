@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/base/files.h"
+#include "core/base/markup_text.h"
 #include "core/captures/json_text.h"
 #include "core/photos/exposure/local_exposure.h"
 #include "core/photos/exposure/photo_exposure.h"
@@ -192,8 +193,8 @@ Json view_quality_json(const ViewQuality& q) {
 }
 
 void print_row(const std::string& name, const ViewQuality& q) {
-  std::printf("%-24s PSNR %5.2f dB  (exposure matched %5.2f)  SSIM %.3f  holes %5.2f %%\n", name.c_str(), q.psnr_db,
-              q.psnr_matched_db, q.ssim, 100 * q.holes);
+  std::printf("%-24s PSNR %5.2f dB  (exposure matched %5.2f)  SSIM %.3f  holes %5.2f %%\n", printable(name).c_str(),
+              q.psnr_db, q.psnr_matched_db, q.ssim, 100 * q.holes);
 }
 
 void print(const std::vector<Row>& rows, const BuildReport& report, bool json) {
@@ -215,13 +216,14 @@ void print(const std::vector<Row>& rows, const BuildReport& report, bool json) {
   print_row("nearest photo, one depth", baseline);
   std::printf("%-24s PSNR %5.2f dB  %s\n", "expected", report.quality.expected_view_psnr_db,
               text_of(report.quality).c_str());
-  for (const std::string& note : with_switches(report.notes)) std::printf("%s\n", note.c_str());
+  for (const std::string& note : with_switches(report.notes)) std::printf("%s\n", printable(note).c_str());
 }
 
 int run(const EvaluateCommand& command, const Session& session) {
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
   const PreparedBuild prepared = prepare(command.setup, job);
+  keep_out_of_capture(command.keep, "--keep", prepared);
   std::optional<OutputFolder> keep;
   if (!command.keep.empty()) keep.emplace(command.keep, OutputFolder::Existing::merge);
   const Split parts = split(prepared, command.every, job);

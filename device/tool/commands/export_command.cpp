@@ -1,12 +1,16 @@
 // ldp export: an .ldp file in a form that other programs open.
 
+#include <cmath>
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/files.h"
+#include "core/base/markup_text.h"
+#include "core/captures/json_text.h"
 #include "core/export/export.h"
 #include "core/photos/images.h"
 #include "device/tool/commands.h"
@@ -26,6 +30,7 @@ struct ExportCommand {
   std::string kind;
   std::vector<double> at;
   Viewer viewer;
+  const CLI::Option *eyes = nullptr, *plain = nullptr, *quality = nullptr;  // whether they were given
 };
 
 // Measured: the pictures and the viewer take up to 5 bytes a pixel, a mesh 45 for each point of it.
@@ -73,6 +78,19 @@ size_t write_layers(const ExportCommand& command, const LayeredPanorama& panoram
   return bytes;
 }
 
+// What would have no effect is a slip.
+void check_used(const ExportCommand& command) {
+  const std::string ending = names_a_folder(command.output) ? "" : extension_of(command.output);
+  const auto given = [](const CLI::Option* option) { return option != nullptr && option->count() > 0; };
+  const bool has_jpeg = ending == ".jpg" || ending == ".jpeg" || ending == ".glb";
+  if (given(command.eyes) && command.kind != "stereo")
+    throw BadInput("--eyes: only --kind stereo has two: add that, or leave --eyes out");
+  if (given(command.plain) && ending != ".glb")
+    throw BadInput("--plain: " + command.output + " is no .glb, which alone can be: leave --plain out");
+  if (given(command.quality) && !has_jpeg)
+    throw BadInput("--quality: " + command.output + " is no .jpg or .glb, which alone lose any: leave --quality out");
+}
+
 void check_output(const ExportCommand& command) {
   if (is_seen(command) && (names_a_folder(command.output) || exported_kind(command.output) != OutputKind::picture))
     throw BadInput(command.output + ": what is seen from a place is a picture: .jpg or .png");
@@ -101,17 +119,37 @@ size_t write_exported(const ExportCommand& command, LayeredPanorama&& panorama, 
   return exported.size();
 }
 
+// A place farther from where views hold than these are wide shows little but invented background.
+void warn_of_places_far_off(const ExportCommand& command, const ViewingLimits& limits) {
+  if (command.at.empty()) return;
+  const double far = limits.outer_radius;
+  if (std::hypot(command.at[0], command.at[1]) <= limits.outer_radius + far &&
+      std::abs(command.at[2]) <= limits.height + far)
+    return;
+  std::fprintf(
+      stderr,
+      "ldp export: --at is far from where views hold, %.3g around the axis and %.3g up and down: the picture is "
+      "mostly invented\n",
+      limits.outer_radius, limits.height);
+}
+
 int run(const ExportCommand& command, const Session& session) {
   check_output(command);
+  check_used(command);
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
   check_input_file(command.input.file);
   const MappedFile mapped(command.input.file);
   const BytesBeside& beside = is_seen(command) ? kSeeing : kExporting;
   LayeredPanorama panorama = decode_panorama(command.input, mapped.bytes(), beside, job);
+  const ViewingLimits limits = panorama.limits;
   const size_t bytes = write_exported(command, std::move(panorama), mapped, job);
   bar.reset();
-  if (!session.json) std::printf("%s: %s\n", command.output.c_str(), size_text(bytes).c_str());
+  warn_of_places_far_off(command, limits);
+  if (session.json)
+    std::printf("%s\n", json_text(nlohmann::ordered_json{{"file", command.output}, {"bytes", bytes}}).c_str());
+  else
+    std::printf("%s: %s\n", printable(command.output).c_str(), size_text(bytes).c_str());
   return kDone;
 }
 
@@ -139,13 +177,15 @@ void add_export(Program& program) {
       ->delimiter(',')
       ->expected(3)
       ->check(number_within(-1e6, 1e6));
-  app.add_option("--eyes", command->viewer.eyes, "Their distance, in the same unit")
-      ->check(number_within(0, 1e6))
-      ->capture_default_str();
-  app.add_flag("--plain", command->options.plain, "A .glb for readers of bare glTF: several times as large");
-  app.add_option("--quality", command->options.quality, "Of JPEG images")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
+  command->eyes = app.add_option("--eyes", command->viewer.eyes, "Of --kind stereo: their distance, in the same unit")
+                      ->check(number_within(0, 1e6))
+                      ->capture_default_str();
+  command->plain =
+      app.add_flag("--plain", command->options.plain, "A .glb for readers of bare glTF: several times as large");
+  command->quality =
+      app.add_option("--quality", command->options.quality, "Of the JPEG or WebP images in a .jpg or .glb")
+          ->check(CLI::Range(1, 100))
+          ->capture_default_str();
 }
 
 }  // namespace ldp

@@ -1,7 +1,5 @@
 #include "device/tool/commands/film.h"
 
-#include <unistd.h>
-
 #include <string>
 #include <system_error>
 #include <vector>
@@ -18,21 +16,11 @@ namespace ldp {
 namespace {
 
 std::vector<std::string> command_line(const std::filesystem::path& output, int width, int height) {
-  std::vector<std::string> words = {"ffmpeg",
-                                    "-v",
-                                    "error",
-                                    "-nostdin",
-                                    "-y",
-                                    "-f",
-                                    "rawvideo",
-                                    "-pix_fmt",
-                                    "rgb24",
-                                    "-s",
-                                    std::to_string(width) + "x" + std::to_string(height),
-                                    "-r",
-                                    "30",
-                                    "-i",
-                                    "pipe:0"};
+  std::vector<std::string> words = {"ffmpeg",   "-v",    "error",
+                                    "-xerror",  // or it leaves half a film and calls that done
+                                    "-nostdin", "-y",    "-f",    "rawvideo",
+                                    "-pix_fmt", "rgb24", "-s",    std::to_string(width) + "x" + std::to_string(height),
+                                    "-r",       "30",    "-i",    "pipe:0"};
   // Players want 4:2:0, which needs even sides.
   if (extension_of(output) != ".gif")
     words.insert(words.end(), {"-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2", "-pix_fmt", "yuv420p"});
@@ -49,9 +37,7 @@ bool names_a_film(const std::filesystem::path& file) {
 }
 
 Film::Film(const std::filesystem::path& file, int width, int height) : file_(file) {
-  std::string name = ".";
-  name += file.stem().string() + ".partial-" + std::to_string(::getpid()) + file.extension().string();
-  partial_ = file.parent_path() / name;
+  partial_ = name_beside(file, ".partial-", file.extension().string());
   temporary_ = std::make_unique<Temporary>(partial_);
   try {
     ffmpeg_ = std::make_unique<ChildProcess>(command_line(partial_, width, height), ChildProcess::Pipe::to_child);
@@ -77,13 +63,15 @@ void Film::add(const RgbImage& picture) {
 void Film::fail() const {
   ffmpeg_->wait();
   std::string said = ffmpeg_->first_line_said();
+  if (const auto fault = machine_fault_in(said))
+    throw MachineFault("cannot write " + file_.string() + ": " + fault->message());
   const std::string partial = partial_.string();
   if (const size_t at = said.find(partial); at != std::string::npos) said.replace(at, partial.size(), file_.string());
   throw Impossible(file_.string() + ": ffmpeg failed" + (said.empty() ? "" : ": " + said));
 }
 
 void Film::keep() {
-  if (ffmpeg_->wait() != 0) fail();
+  if (ffmpeg_->wait() != 0 || machine_fault_in(ffmpeg_->first_line_said())) fail();
   move_file(partial_, file_);
   partial_.clear();
 }

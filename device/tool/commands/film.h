@@ -21,7 +21,7 @@ class Film {
   Film(const Film&) = delete;
   Film& operator=(const Film&) = delete;
 
-  // Throw Impossible when ffmpeg failed, with what it said.
+  // Throw Impossible when ffmpeg failed, with what it said; MachineFault where that is a full disk, say.
   void add(const RgbImage& picture);
   void keep();
 

@@ -10,7 +10,9 @@
 #include <utility>
 
 #include "core/base/files.h"
+#include "core/base/markup_text.h"
 #include "core/captures/json_text.h"
+#include "core/geometry/degrees.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/verdict/words.h"
 #include "device/tool/commands.h"
@@ -22,8 +24,6 @@ namespace ldp {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kDegreesPerRadian = 57.29577951308232;
 
 Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -129,7 +129,7 @@ void print_sizes(const LdpDescription& description) {
   for (const LdpChunk& chunk : description.chunks) sizes[{chunk.layer, chunk.type}] += chunk.length;
   for (const auto& [key, bytes] : sizes) {
     const std::string where = key.first < 0 ? "file" : "layer " + std::to_string(key.first + 1);
-    std::printf("  %-8s %s %10llu bytes  %5.1f %%\n", where.c_str(), key.second.c_str(),
+    std::printf("  %-8s %s %10llu bytes  %5.1f %%\n", where.c_str(), printable(key.second).c_str(),
                 static_cast<unsigned long long>(bytes),
                 100.0 * static_cast<double>(bytes) / static_cast<double>(description.file_bytes));
   }
@@ -152,13 +152,13 @@ void print_quality(const std::map<std::string, double>& figures) {
                   d.from_deg, d.to_deg, name_of(d.grade), d.expected_view_psnr_db, d.photos_back_psnr_db);
   }
   for (const auto& [name, value] : figures)
-    if (!quality || !is_of_verdict(name)) std::printf("quality   %s %.4g\n", name.c_str(), value);
+    if (!quality || !is_of_verdict(name)) std::printf("quality   %s %.4g\n", printable(name).c_str(), value);
 }
 
 void print_text(const std::string& file, const LdpDescription& description) {
   const LayeredPanorama& panorama = description.panorama;
   const PanoramaGrid& grid = panorama.grid;
-  std::printf("%s: layered depth panorama, version %d, %llu bytes\n", file.c_str(), description.version,
+  std::printf("%s: layered depth panorama, version %d, %llu bytes\n", printable(file).c_str(), description.version,
               static_cast<unsigned long long>(description.file_bytes));
   std::printf("picture   %dx%d, %s rays, %.1f degrees%s\n", grid.width, grid.height,
               grid.rays == Rays::pushbroom ? "pushbroom" : "central", grid.width * grid.theta_pitch * kDegreesPerRadian,
@@ -179,7 +179,8 @@ void print_text(const std::string& file, const LdpDescription& description) {
     std::printf("exposure  local: light by %.2f to %.2f of even exposure\n", least, most);
   }
   print_quality(panorama.quality);
-  for (const auto& [name, value] : panorama.metadata) std::printf("metadata  %s: %s\n", name.c_str(), value.c_str());
+  for (const auto& [name, value] : panorama.metadata)
+    std::printf("metadata  %s: %s\n", printable(name).c_str(), printable(value).c_str());
   std::printf("sizes\n");
   print_sizes(description);
 }

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "core/arc/arc.h"
+#include "core/base/markup_text.h"
 #include "core/captures/colmap.h"
 #include "core/captures/json_text.h"
 #include "core/captures/transforms.h"
@@ -76,16 +77,16 @@ void write_colmap(const std::filesystem::path& folder, const Poses& poses,
 void print_table(const PosesReport& report) {
   for (const FrameReport& frame : report.frames) {
     if (frame.posed) {
-      std::printf("%s: %d features, %d matches, %d inliers, %.2f px\n", frame.name.c_str(), frame.features,
+      std::printf("%s: %d features, %d matches, %d inliers, %.2f px\n", printable(frame.name).c_str(), frame.features,
                   frame.matches, frame.inliers, frame.reprojection_px);
     } else {
-      std::printf("%s: left out: %s\n", frame.name.c_str(), words_of(frame.left_out).c_str());
+      std::printf("%s: left out: %s\n", printable(frame.name).c_str(), words_of(frame.left_out).c_str());
     }
   }
   std::printf("%d points, %.2f px\n", report.points, report.reprojection_px);
   if (report.motion == Motion::rotation) std::printf("no parallax was found: the camera only turned\n");
   if (!report.doubt.empty())
-    std::fprintf(stderr, "ldp poses: these poses may be wrong: %s\n", with_switches(report.doubt).c_str());
+    std::fprintf(stderr, "ldp poses: these poses may be wrong: %s\n", printable(with_switches(report.doubt)).c_str());
 }
 
 int run(const PosesCommand& command, const Session& session) {
@@ -109,7 +110,7 @@ int run(const PosesCommand& command, const Session& session) {
   if (!command.output.empty()) write_text(command.output, transforms_json(poses.cameras));
   bar.reset();
   for (const std::string& what : {sideways(poses.cameras), wrong_exif_lens(poses.report)})
-    if (!what.empty()) std::fprintf(stderr, "ldp poses: %s\n", with_switches(what).c_str());
+    if (!what.empty()) std::fprintf(stderr, "ldp poses: %s\n", printable(with_switches(what)).c_str());
   if (session.json)
     std::printf("%s\n", json_text(poses_json(poses.report), 1).c_str());
   else

@@ -12,11 +12,14 @@
 #include <utility>
 
 #include "core/base/files.h"
+#include "core/base/markup_text.h"
+#include "core/captures/folder_frames.h"
 #include "core/captures/transforms.h"
 #include "core/panorama/even_exposure.h"
 #include "core/photos/images.h"
 #include "core/view/camera_path.h"
 #include "core/view/framing.h"
+#include "device/tool/build_setup.h"
 #include "device/tool/commands.h"
 #include "device/tool/commands/film.h"
 #include "device/tool/exr/exr_view.h"
@@ -25,6 +28,7 @@
 #include "device/tool/own_output.h"
 #include "device/tool/panorama_input.h"
 #include "device/tool/process/progress_bar.h"
+#include "device/tool/switches.h"
 
 namespace ldp {
 namespace {
@@ -37,6 +41,7 @@ struct RenderCommand {
   int frames = 90;
   double fov_deg = 0;
   RenderOptions options;
+  std::optional<Fill> fill;       // as given
   bool pfm = false, exr = false;  // also written of each view
   bool even = false;
 };
@@ -76,6 +81,21 @@ void keep_photos(const RenderCommand& command, const std::vector<Camera>& camera
     for (const auto& [file, wanted] : {std::pair(view, true), {pfm, command.pfm}, {exr, command.exr}})
       if (wanted && fs::exists(file) && !is_a_view(view))
         throw BadInput(file.string() + ": is there already and is no view: name another folder");
+  }
+}
+
+// Of a capture a next build would take the views for its photos, and for all of them where these lie in `frames`. A
+// picture or two are none.
+void refuse_folder_of_photos(const RenderCommand& command) {
+  const fs::path output = command.output;
+  for (const fs::path& folder : {output, output / "frames"}) {
+    if (!fs::is_directory(folder)) continue;
+    int photos = 0;
+    for (const fs::path& picture : list_photos(folder)) {
+      if (is_a_view(picture) || ++photos < kFewestPhotos) continue;
+      throw BadInput(command.output + ": holds photos, among them " + picture.lexically_relative(output).string() +
+                     ", and views there would be taken for photos of that sweep: name another folder");
+    }
   }
 }
 
@@ -186,20 +206,22 @@ void print_summary(const RenderCommand& command, const Rendered& totals, bool js
     std::printf("{\"views\": %d, \"holes_percent\": %.4f, \"invented_percent\": %.4f}\n", totals.views, holes,
                 invented);
   } else {
-    std::printf("%s: %d views, %.2f %% holes", command.output.c_str(), totals.views, holes);
+    std::printf("%s: %d views, %.2f %% holes", printable(command.output).c_str(), totals.views, holes);
     std::printf(command.options.fill == Fill::background ? ", %.2f %% filled\n" : "\n", invented);
   }
   if (totals.blind > 0) {
     std::fprintf(
         stderr,
-        "ldp render: %d of %d cameras see nothing of the panorama: give cameras in the coordinates of those that "
-        "'ldp export %s -o cameras.json' writes\n",
-        totals.blind, totals.views, command.input.file.c_str());
+        "ldp render: %d of %d cameras see nothing of the panorama: give cameras in the coordinates of those that this "
+        "writes: ldp export %s -o cameras.json\n",
+        totals.blind, totals.views, printable(in_shell({command.input.file})).c_str());
   }
 }
 
 int run(RenderCommand command, const Session& session) {
   command.options.depth = command.pfm || command.exr;
+  const bool to_look_at = !command.path.empty() || names_a_film(command.output);
+  command.options.fill = command.fill.value_or(to_look_at ? Fill::background : Fill::none);
   check(command);
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
@@ -213,6 +235,7 @@ int run(RenderCommand command, const Session& session) {
   if (!names_a_film(command.output)) {
     keep_photos(command, cameras);
     refuse_stale_depths(command, cameras);
+    refuse_folder_of_photos(command);
   }
   const Rendered totals = names_a_film(command.output) ? render_film(command, renderer, cameras, job)
                                                        : render_pictures(command, renderer, cameras, job);
@@ -248,10 +271,10 @@ void add_render(Program& program) {
       ->capture_default_str();
   app.add_option_function<std::string>(
          "--fill",
-         [command](const std::string& name) { command->options.fill = name == "none" ? Fill::none : Fill::background; },
-         "Holes: none leaves them transparent, background continues what lies behind")
-      ->check(CLI::IsMember({"none", "background"}))
-      ->default_str("none");
+         [command](const std::string& name) { command->fill = name == "none" ? Fill::none : Fill::background; },
+         "Holes: none leaves them transparent, background continues what lies behind; default: background along a "
+         "--path and in films, none for pictures of --cameras")
+      ->check(CLI::IsMember({"none", "background"}));
   app.add_option_function<std::string>(
          "--exposure", [command](const std::string& name) { command->even = name == "even"; },
          "Brightness, of photos on automatic exposure: local is about that of the photos of each direction, even as if "

@@ -1,11 +1,16 @@
 // ldp scene: a synthetic capture with truth.
 
+#include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <memory>
-#include <numbers>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "core/captures/json_text.h"
+#include "core/geometry/degrees.h"
 #include "device/tool/commands.h"
 #include "device/tool/number_within.h"
 #include "device/tool/output.h"
@@ -17,7 +22,6 @@ namespace ldp {
 namespace {
 
 constexpr double kShade = 0.15;  // of half of the scene, where exposure is automatic
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct SceneCommand {
   SceneCaptureOptions scene;
@@ -25,30 +29,46 @@ struct SceneCommand {
   double arc_deg = 180, fov_deg = 58, jitter_deg = 1.2, heading_deg = 0;
   std::optional<double> shade;
   bool no_novel = false, list = false;
+  std::vector<const CLI::Option*> of_around;  // that have no effect without it
 };
 
-int run(SceneCommand command, const Session& session) {
-  if (command.list) {
+int list_scenes(bool json) {
+  if (json)
+    std::printf("%s\n", json_text(nlohmann::ordered_json{{"scenes", scene_names()}}).c_str());
+  else
     for (const std::string& name : scene_names()) std::printf("%s\n", name.c_str());
-    return kDone;
-  }
+  return kDone;
+}
+
+int run(SceneCommand command, const Session& session) {
+  if (command.list) return list_scenes(session.json);
   if (command.scene.scene.empty()) throw BadInput("no scene is named: give one of those that --list shows");
   if (command.output.empty()) throw BadInput("no output folder is named: add -o DIR");
+  if (command.scene.around.width == 0)
+    for (const CLI::Option* const option : command.of_around)
+      if (option->count() > 0)
+        throw BadInput(option->get_name() + ": only --around shows it: add that, or leave it out");
   if (command.scene.around.width % 2 != 0)
     throw BadInput("--around " + std::to_string(command.scene.around.width) + ": give an even number");
-  command.scene.around.heading_rad = command.heading_deg * kDegree;
+  command.scene.around.heading_rad = command.heading_deg * kRadiansPerDegree;
   parse_size(command.size, command.scene.path.width, command.scene.path.height);
-  command.scene.path.arc_rad = command.arc_deg * kDegree;
-  command.scene.path.fov_rad = command.fov_deg * kDegree;
-  command.scene.path.angle_jitter_rad = command.jitter_deg * kDegree;
+  command.scene.path.arc_rad = command.arc_deg * kRadiansPerDegree;
+  command.scene.path.fov_rad = command.fov_deg * kRadiansPerDegree;
+  command.scene.path.angle_jitter_rad = command.jitter_deg * kRadiansPerDegree;
   command.scene.path.seed = command.scene.seed;
   command.scene.novel_views = !command.no_novel;
   command.scene.shade = command.shade.value_or(command.scene.meters ? kShade : 1);
   make_scene(command.scene.scene, command.scene.seed);  // an unknown name is refused before anything is written
   OutputFolder folder(command.output, OutputFolder::Existing::refuse);
-  ProgressBar bar(session.progress_fd);
-  folder.fill([&] { write_scene_capture(command.scene, folder.path(), start_job(session, bar)); });
+  std::optional<ProgressBar> bar(session.progress_fd);
+  folder.fill([&] { write_scene_capture(command.scene, folder.path(), start_job(session, *bar)); });
   folder.keep();
+  bar.reset();
+  if (session.json) {
+    const nlohmann::ordered_json json{
+        {"capture", command.output}, {"scene", command.scene.scene}, {"frames", command.scene.path.frames}};
+    std::printf("%s\n", json_text(json).c_str());
+  }
   return kDone;
 }
 
@@ -103,18 +123,23 @@ void add_scene(Program& program) {
   app.add_option("--moving", command->scene.moving_share, "Share of figures and leaves that move")
       ->check(number_within(0.0, 1.0))
       ->capture_default_str();
-  app.add_option("--seed", command->scene.seed, "Of the scene, the hand and the noise")->capture_default_str();
+  app.add_option("--seed", command->scene.seed, "Of the scene, the hand and the noise")
+      ->check(CLI::Range(uint32_t{0}, std::numeric_limits<uint32_t>::max()))
+      ->capture_default_str();
   app.add_option("--around", command->scene.around.width,
                  "Also what is seen all around from the arc's centre, so many pixels a turn (an even number): by one "
                  "eye with distances, and by two (around/)")
       ->check(CLI::Range(64, 16384));
-  app.add_option("--heading", command->heading_deg,
-                 "Where the middle of it looks, degrees to the right of the sweep's middle")
-      ->check(number_within(-360.0, 360.0))
-      ->capture_default_str();
-  app.add_option("--eyes", command->scene.around.eyes, "Distance of the two eyes, metres")
-      ->check(number_within(0.0, 1.0))
-      ->capture_default_str();
+  const CLI::Option* const heading =
+      app.add_option("--heading", command->heading_deg,
+                     "Where the middle of it looks, degrees to the right of the sweep's middle")
+          ->check(number_within(-360.0, 360.0))
+          ->capture_default_str();
+  const CLI::Option* const eyes =
+      app.add_option("--eyes", command->scene.around.eyes, "Distance of the two eyes, metres")
+          ->check(number_within(0.0, 1.0))
+          ->capture_default_str();
+  command->of_around = {heading, eyes};
   app.add_flag("--no-novel", command->no_novel, "Leave the novel views out");
 }
 

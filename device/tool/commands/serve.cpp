@@ -7,12 +7,14 @@
 #include <memory>
 #include <string>
 
+#include "core/base/markup_text.h"
 #include "device/backends/open.h"
 #include "device/gallery/cut_files.h"
 #include "device/gallery/gallery.h"
 #include "device/gallery/http/server.h"
 #include "device/tool/commands.h"
 #include "device/tool/memory_size.h"
+#include "device/tool/output.h"
 
 namespace ldp {
 namespace {
@@ -22,9 +24,10 @@ struct ServeCommand {
   uint64_t memory_bytes = 0;
 };
 
-// One line; what stands behind it is none of it.
+// One line, of a pipe too; what stands behind it is none of it.
 std::string token_in(const std::string& file) {
   if (file.empty()) return {};
+  check_input(file);
   std::ifstream stream(file);
   std::string token;
   if (!std::getline(stream, token) || token.size() < gallery::kShortestToken)
@@ -61,7 +64,7 @@ int run(const ServeCommand& command, const Session& session) {
   gallery::read_cut_files_as_zeros();
   gallery::Gallery gallery(folder, feed, options, job);
   const auto say_where = [&] {
-    std::printf("%s shows %s\n", gallery::address_of(listening.get()).c_str(), command.folder.c_str());
+    std::printf("%s shows %s\n", gallery::address_of(listening.get()).c_str(), printable(command.folder).c_str());
     std::fflush(stdout);
   };
   gallery::serve(listening.get(),

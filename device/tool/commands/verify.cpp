@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/files.h"
+#include "core/base/markup_text.h"
 #include "core/captures/json_text.h"
 #include "device/tool/commands.h"
 #include "device/tool/output.h"
@@ -27,9 +28,10 @@ int check_file(const PanoramaInput& input, const Session& session) {
     const nlohmann::ordered_json json{{"file", file}, {"sound", damages.empty()}, {"damages", damages}};
     std::printf("%s\n", json_text(json, 1).c_str());
   } else if (damages.empty()) {
-    std::printf("%s: sound\n", file.c_str());
+    std::printf("%s: sound\n", printable(file).c_str());
   }
-  for (const std::string& damage : damages) std::fprintf(stderr, "ldp verify: %s: %s\n", file.c_str(), damage.c_str());
+  for (const std::string& damage : damages)
+    std::fprintf(stderr, "ldp verify: %s: %s\n", printable(file).c_str(), printable(damage).c_str());
   return damages.empty() ? kDone : kCannotBeDone;
 }
 

@@ -9,7 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "core/base/markup_text.h"
 #include "core/captures/json_text.h"
+#include "core/geometry/degrees.h"
 #include "device/backends/open.h"
 #include "device/gallery/status_json.h"
 #include "device/tool/commands.h"
@@ -40,8 +42,9 @@ std::string line_from(const Progress& progress) {
 }
 std::string line_from(const Guidance& guidance) {
   char figures[128];
-  std::snprintf(figures, sizeof figures, "%.0f degrees, %.0f degrees/s, %d frames", guidance.covered_rad * 57.29578,
-                guidance.speed_rad_s * 57.29578, guidance.frames_chosen);
+  std::snprintf(figures, sizeof figures, "%.0f degrees, %.0f degrees/s, %d frames",
+                guidance.covered_rad * kDegreesPerRadian, guidance.speed_rad_s * kDegreesPerRadian,
+                guidance.frames_chosen);
   return "guidance  " + std::string(name_of(guidance.advice)) + ": " + figures;
 }
 std::string line_from(const Result& result) {
@@ -62,9 +65,7 @@ void print(const HeardMessage& heard, bool as_json) {
     std::printf("%s\n", json_text(json).c_str());
   } else {
     const std::string line = std::visit([](const auto& message) { return line_from(message); }, heard.message);
-    std::string clean = line;  // a stranger's datagram must not write escape sequences onto the terminal
-    for (char& c : clean) c = static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
-    std::printf("%s  %s\n", utc, clean.c_str());
+    std::printf("%s  %s\n", utc, printable(line).c_str());  // it may be a stranger's datagram
   }
   std::fflush(stdout);
 }

@@ -80,10 +80,10 @@ Intake::Intake(const std::vector<std::string>& words, const IntakeOptions& optio
     std::vector<fs::path> photos(words.begin(), words.end());
     std::stable_sort(photos.begin(), photos.end(), precedes);
     take_photos(std::move(photos), job);
-  } else if (fs::is_directory(only)) {
+  } else if (std::error_code unknown; fs::is_directory(only, unknown)) {
     take_folder(only, job);
     inputs_.push_back(only / "capture.json");
-  } else if (words.front().starts_with('@') && !fs::exists(only)) {
+  } else if (words.front().starts_with('@') && !fs::exists(only, unknown)) {
     const fs::path list = words.front().substr(1);
     take_photos(read_list(list), job);
     inputs_.push_back(list);
@@ -121,7 +121,8 @@ std::vector<PhotoFile> Intake::as_called(const std::vector<fs::path>& files) con
 }
 
 void Intake::take_file(const fs::path& file, const IntakeOptions& options, const Job& job) {
-  if (!fs::exists(file))
+  std::error_code unknown;
+  if (fs::status(file, unknown).type() == fs::file_type::not_found)
     throw BadInput(file.string() + ": there is no such folder, photo, archive or film: check the name");
   const FileKind kind = kind_of_content(file);
   if (kind == FileKind::photo || kind == FileKind::heif || kind == FileKind::raw) {

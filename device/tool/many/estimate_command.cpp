@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "core/base/markup_text.h"
 #include "core/captures/json_text.h"
 #include "core/estimate/estimate.h"
 #include "device/tool/process/progress_bar.h"
@@ -13,8 +14,8 @@ namespace ldp {
 namespace {
 
 void print(const std::string& capture, const BuildEstimate& estimate) {
-  std::printf("%s: about %.0f s of processor time, %.0f MB of memory", capture.c_str(), estimate.processor_seconds,
-              1e-6 * static_cast<double>(estimate.memory_bytes));
+  std::printf("%s: about %.0f s of processor time, %.0f MB of memory", printable(capture).c_str(),
+              estimate.processor_seconds, 1e-6 * static_cast<double>(estimate.memory_bytes));
   if (estimate.scratch_bytes > 0)
     std::printf(" and %.0f MB of temporary files", 1e-6 * static_cast<double>(estimate.scratch_bytes));
   std::printf(", a file of %.2f MB, %dx%d\n", 1e-6 * static_cast<double>(estimate.file_bytes), estimate.width,

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/base/files.h"
+#include "core/base/markup_text.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/verdict/sweep_quality.h"
 #include "core/verdict/words.h"
@@ -165,10 +166,11 @@ std::string summary_table(const std::vector<BuildOutcome>& outcomes) {
     std::optional<double> megabytes, kilobytes;
     if (outcome.peak_memory_bytes) megabytes = 1e-6 * static_cast<double>(*outcome.peak_memory_bytes);
     if (outcome.file_bytes) kilobytes = 1e-3 * static_cast<double>(*outcome.file_bytes);
-    std::snprintf(row, sizeof row, "%-28.60s %-12s %8s %8s %8s %8s  ", outcome.name.c_str(), outcome.verdict.c_str(),
-                  cell("%.1f", outcome.expected_view_psnr_db).c_str(), cell("%.1f", outcome.processor_seconds).c_str(),
-                  cell("%.0f", megabytes).c_str(), cell("%.0f", kilobytes).c_str());
-    table += row + outcome.reasons + "\n";
+    std::snprintf(row, sizeof row, "%-28.60s %-12s %8s %8s %8s %8s  ", printable(outcome.name).c_str(),
+                  outcome.verdict.c_str(), cell("%.1f", outcome.expected_view_psnr_db).c_str(),
+                  cell("%.1f", outcome.processor_seconds).c_str(), cell("%.0f", megabytes).c_str(),
+                  cell("%.0f", kilobytes).c_str());
+    table += row + printable(outcome.reasons) + "\n";
   }
   const Totals totals = totals_of(outcomes);
   std::snprintf(row, sizeof row, "%zu builds: %zu good, %zu fair, %zu sweep again, %zu failed, %zu unknown\n",

@@ -1,4 +1,5 @@
-// When memory ends where nothing can catch it: in the threads of a library, whose std::bad_alloc ends the program.
+// When memory ends where nothing can catch it: in the threads of a library, or in a destructor, whose std::bad_alloc
+// ends the program.
 #pragma once
 
 #include <string>

@@ -34,6 +34,7 @@ Json json_of(const PhotoEvidence& photo) {
             {"gain", photo.gain},
             {"shared", photo.shared_points},
             {"shift", photo.shift},
+            {"far_shift", photo.far_shift},
             {"outward", photo.outward},
             {"sideward", photo.sideward},
             {"parallax_squares", photo.parallax_squares},
@@ -51,6 +52,7 @@ PhotoEvidence photo_from(const Json& json) {
   photo.gain = json.at("gain");
   photo.shared_points = json.at("shared");
   photo.shift = json.at("shift");
+  photo.far_shift = json.at("far_shift");
   photo.outward = json.at("outward");
   photo.sideward = json.at("sideward");
   photo.parallax_squares = json.at("parallax_squares");

@@ -186,6 +186,26 @@ TEST(EstimatePoses, TakesTheMedianOfWhatThePhotosTellOfTheirLens) {
   EXPECT_TRUE(same_bytes(right, median));
 }
 
+// As an editor's thumbnail among them is, and one of another camera.
+TEST(EstimatePoses, PhotosOfAnotherSizeTellNothingOfTheLens) {
+  const Intrinsics& k = rendered(0.65).cameras[0].intrinsics;
+  std::vector<RgbImage> images = rendered(0.65).images;
+  images.insert(images.begin(), RgbImage(2 * k.width, 2 * k.height));
+  images.push_back(RgbImage(k.width, k.height / 2));
+  std::vector<std::optional<double>> hints(10, k.fx / k.width);
+  hints.front() = hints.back() = 0.2;
+  for (size_t i = 2; i < 9; ++i) hints[i].reset();  // one alone says it, of three that tell something
+  const Poses by_hints = estimate_poses(HintedPhotos(images, hints), PosesOptions{}, Job{});
+  ASSERT_EQ(by_hints.cameras.size(), 8U);
+  EXPECT_NEAR(by_hints.report.exif_focal, 1, 0.02);
+  PosesOptions told;
+  told.fov_rad = 2 * std::atan(0.5 * k.width / k.fx);
+  const Poses by_view = estimate_poses(Photos(images), told, Job{}),
+              alone = estimate_poses(Photos(rendered(0.65).images), told, Job{});
+  ASSERT_EQ(by_view.cameras.size(), 8U);
+  EXPECT_NEAR(by_view.cameras[0].intrinsics.fx / alone.cameras[0].intrinsics.fx, 1, 1e-4);
+}
+
 TEST(PoseEstimator, GivesTheSameBytesAsAllFramesAtOnceHoweverTheyArrive) {
   const Photos photos(rendered(0.65).images);
   PoseEstimator by_one{PosesOptions{}}, in_heaps{PosesOptions{}};
