@@ -273,6 +273,7 @@ Plane<int32_t> ProposalFusion::gains(const Plane<uint8_t>& changes, const Dispar
       asked.rows.clear();
       for (int y = frame.valid_begin[column]; y < frame.valid_end[column]; ++y)
         if (changed(before[y]) || changed(after[y])) asked.rows.push_back(y);
+      photos_.look(camera, asked);
       photos_.differences(camera, asked, own.maps(), of_own);
       photos_.differences(camera, asked, other.maps(), of_other);
       for (size_t i = 0; i < asked.rows.size(); ++i) {

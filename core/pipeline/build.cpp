@@ -181,9 +181,13 @@ class Build {
     fusion.fuse(over(std::exchange(unsmoothed_, {}), layer), kPropagationReachPx, job_, layer);
     for (const int px : effort_.background_px)
       fusion.fuse(without_silhouettes(grid_, layer, px), kPropagationReachPx, job_, layer);
+    const auto offer = [&](int right, int down) {
+      fusion.fuse(shifted(grid_, layer, right, down), kPropagationReachPx, job_, layer);
+    };
+    for (const int px : effort_.upright_px)
+      for (const int down : {px, -px}) offer(0, down);
     for (const int px : effort_.propagation_px)
-      for (const auto& [right, down] : {std::pair(px, 0), {-px, 0}, {0, px}, {0, -px}})
-        fusion.fuse(shifted(grid_, layer, right, down), kPropagationReachPx, job_, layer);
+      for (const auto& [right, down] : {std::pair(px, 0), {-px, 0}, {0, px}, {0, -px}}) offer(right, down);
     absorb_specks(grid_, kFrontSpeckPx, layer);
   }
 

@@ -21,19 +21,20 @@ struct EffortOptions {
   int cycles;             // of expansion after message passing, for depth and for colour
   int columns_apart;      // of the photographs' columns, those that are asked the following
   // Whether something suits them better, pixel by pixel: the farthest surface within so many pixels, then the surfaces
-  // so many pixels to the left, the right, above and below.
-  std::span<const int> background_px, propagation_px;
+  // so many pixels above and below, then those so many pixels to the left, the right, above and below.
+  std::span<const int> background_px, upright_px, propagation_px;
 };
 
 namespace efforts {  // figures: decisions.md
+inline constexpr std::array kUprightPx{28};
 inline constexpr std::array kFastPropagationPx{6};
 inline constexpr std::array kStandardPropagationPx{8, 3};
 inline constexpr std::array kBestBackgroundPx{40};
 inline constexpr std::array kBestPropagationPx{16, 8, 4, 2, 12, 6, 3, 1};
 inline constexpr std::array<EffortOptions, 3> kTable = {{
-    {"fast", 1, 4, 0, 2, {}, kFastPropagationPx},
-    {"standard", 2, 8, 1, 2, {}, kStandardPropagationPx},
-    {"best", 2, 16, 1, 1, kBestBackgroundPx, kBestPropagationPx},
+    {"fast", 1, 4, 0, 2, {}, {}, kFastPropagationPx},
+    {"standard", 2, 8, 1, 2, {}, kUprightPx, kStandardPropagationPx},
+    {"best", 2, 16, 1, 1, kBestBackgroundPx, kUprightPx, kBestPropagationPx},
 }};
 }  // namespace efforts
 

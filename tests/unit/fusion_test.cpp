@@ -71,6 +71,7 @@ TEST(PhotoConsistency, NoCameraContradictsTheTruth) {
   for (int y = 0; y < 80; ++y) column.rows.push_back(y);
   std::vector<int> found;
   for (; column.x < 140; ++column.x) {
+    photos.look(2, column);
     photos.differences(2, column, of_cameras, found);
     for (int y = 0; y < 80; ++y) {
       if (maps[2].inverse_z.at(y, column.x) == 0) continue;

@@ -55,7 +55,7 @@ void MapPainter::paint(int x) {
   const Sides sides{projection_.column(left), projection_.column(right)};
   if (beside_view(sides)) return;
   kernels::best().find_boxes(column(x), projected(sides), brush_.edges_v.data(), grid_.height, boxes_);
-  for (int y = 0; y < grid_.height; ++y) draw_box(x, y);
+  draw_boxes(x);
 }
 
 kernels::DisparityColumn MapPainter::column(int x) const {
@@ -111,17 +111,24 @@ bool MapPainter::beside_view(const Sides& sides) const {
          always(sides.right, [](double x_px) { return x_px < -1; });
 }
 
-void MapPainter::draw_box(int x, int y) {
-  const int y0 = boxes_.begin_y[y], y1 = boxes_.end_y[y];
-  if (y0 >= y1 || boxes_.begin_x[y] >= boxes_.end_x[y]) return;
-  const auto nearness = static_cast<uint16_t>(boxes_.inverse_z[y]);
-  for (int column = boxes_.begin_x[y]; column < boxes_.end_x[y]; ++column) {
-    uint16_t* out = map_.inverse_z.row(column);
-    uint32_t* seen = seen_ ? seen_->row(column) : nullptr;
-    for (int at = y0; at < y1; ++at) {
-      if (out[at] >= nearness) continue;
-      out[at] = nearness;
-      if (seen) seen[at] = static_cast<uint32_t>(x * grid_.height + y);
+// The innermost loop of all painting: nothing of what it writes may alias what it reads again.
+void MapPainter::draw_boxes(int x) {
+  const kernels::Boxes boxes = boxes_;
+  const int count = grid_.height, height = map_.inverse_z.width;
+  const auto first = static_cast<uint32_t>(x * count);
+  uint16_t* const nearest = map_.inverse_z.samples.data();
+  uint32_t* const seen = seen_ ? seen_->samples.data() : nullptr;
+  for (int y = 0; y < count; ++y) {
+    const int end_x = boxes.end_x[y], y0 = boxes.begin_y[y], y1 = boxes.end_y[y];
+    if (y0 >= y1) continue;
+    const auto nearness = static_cast<uint16_t>(boxes.inverse_z[y]);
+    for (int column = boxes.begin_x[y]; column < end_x; ++column) {
+      const ptrdiff_t start = static_cast<ptrdiff_t>(column) * height;
+      for (ptrdiff_t at = start + y0; at < start + y1; ++at) {
+        if (nearest[at] >= nearness) continue;
+        nearest[at] = nearness;
+        if (seen) seen[at] = first + static_cast<uint32_t>(y);
+      }
     }
   }
 }

@@ -48,7 +48,7 @@ class MapPainter {
   bool beside_view(const Sides& sides) const;
   kernels::DisparityColumn column(int x) const;
   kernels::ColumnInView projected(const Sides& sides) const;
-  void draw_box(int x, int y);
+  void draw_boxes(int x);
 
   const PanoramaGrid& grid_;
   const Brush& brush_;

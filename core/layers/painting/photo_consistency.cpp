@@ -15,17 +15,7 @@ namespace {
 
 using namespace tuning;
 
-struct Range {
-  int low, high;
-  // By how much a value lies outside.
-  int outside(int value) const { return std::max({0, value - high, low - value}); }
-};
-
-// A sample, and the range of the 3x3 samples around it.
-struct Around {
-  int grey, tint;
-  Range greys, tints;
-};
+using Around = PhotoConsistency::Around;
 
 uint32_t three_samples(const uint8_t* from) {
   uint16_t two;
@@ -49,7 +39,8 @@ Around around(const UprightFrame& frame, int x, int y) {
   high = simde_mm_max_epu8(simde_mm_max_epu8(high, simde_mm_srli_epi32(high, 8)), simde_mm_srli_epi32(high, 16));
   const auto lows = static_cast<uint64_t>(simde_mm_cvtsi128_si64(low)),
              highs = static_cast<uint64_t>(simde_mm_cvtsi128_si64(high));
-  return {frame.columns.row(x)[y],
+  return {true,
+          frame.columns.row(x)[y],
           frame.tint.row(x)[y],
           {static_cast<uint8_t>(lows), static_cast<uint8_t>(highs)},
           {static_cast<uint8_t>(lows >> 32), static_cast<uint8_t>(highs >> 32)}};
@@ -71,13 +62,11 @@ int apart(const Around& a, const Around& b) {
          std::max(b.tints.outside(a.tint), a.tints.outside(b.tint));
 }
 
-// What is found of a pixel.
-struct Looked {
-  bool wanted = false;
-  Around own{};
+// What its witnesses tell of a pixel.
+struct Told {
   int sum = 0, views = 0;
 
-  void compare(const UprightFrame& other, int x, int y) {
+  void compare(const Around& own, const UprightFrame& other, int x, int y) {
     ++views;
     if (farthest_apart(own, other, x, y) <= kWitnessNoise) return;
     sum += std::clamp(apart(own, around(other, x, y)) - kWitnessNoise, 0, kWitnessMostDiffer) * kDifferenceSteps;
@@ -140,6 +129,13 @@ kernels::ToWitness PhotoConsistency::Witness::from_column(const UprightCamera& f
           other.tolerance};
 }
 
+void PhotoConsistency::look(size_t k, Pixels& pixels) const {
+  const UprightFrame& frame = frames_[k];
+  pixels.samples.clear();
+  for (const int32_t y : pixels.rows)
+    pixels.samples.push_back(has_neighbours(frame, pixels.x, y) ? around(frame, pixels.x, y) : Around{});
+}
+
 void PhotoConsistency::differences(size_t k, const Pixels& pixels, const std::vector<const VisibilityMap*>& maps,
                                    std::vector<int>& found) const {
   const UprightFrame& own = frames_[k];
@@ -148,25 +144,23 @@ void PhotoConsistency::differences(size_t k, const Pixels& pixels, const std::ve
   std::vector<int32_t> memory(5 * padded);
   const auto row = [&](size_t i) { return memory.data() + i * padded; };
   int32_t *rows = row(0), *steps = row(1), *x = row(2), *y = row(3), *nearest = row(4);
-  std::vector<Looked> looked(count);
   for (size_t i = 0; i < count; ++i) {
     rows[i] = pixels.rows[i];
     steps[i] = surface[rows[i]];
-    looked[i].wanted = steps[i] != kUncovered && has_neighbours(own, pixels.x, rows[i]);
-    if (looked[i].wanted) looked[i].own = around(own, pixels.x, rows[i]);
   }
+  std::vector<Told> told(count);
   for (const Witness& to : witnesses_[k]) {
     const UprightFrame& other = frames_[to.frame];
     const VisibilityMap& map = *maps[to.frame];
     const kernels::ToWitness there = to.from_column(own.camera, other.camera, pixels.x, *maps[k], map);
     kernels::best().look_from_witness(there, rows, steps, static_cast<int>(count), x, y, nearest);
     for (size_t i = 0; i < count; ++i)
-      if (looked[i].wanted && x[i] >= 0 && has_neighbours(other, x[i], y[i]) &&
+      if (pixels.samples[i].inside && steps[i] != kUncovered && x[i] >= 0 && has_neighbours(other, x[i], y[i]) &&
           map.inverse_z.row(x[i] / columns_apart_)[y[i]] <= nearest[i])
-        looked[i].compare(other, x[i], y[i]);
+        told[i].compare(pixels.samples[i], other, x[i], y[i]);
   }
   found.clear();
-  for (const Looked& pixel : looked) found.push_back(pixel.views == 0 ? kUnknownDifference : pixel.sum / pixel.views);
+  for (const Told& pixel : told) found.push_back(pixel.views == 0 ? kUnknownDifference : pixel.sum / pixel.views);
 }
 
 }  // namespace ldp::layers

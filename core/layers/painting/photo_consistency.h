@@ -1,6 +1,7 @@
 // How well the cameras beside one confirm the surface that it sees.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -22,16 +23,33 @@ class PhotoConsistency {
   // The cameras that are asked about what camera k sees.
   std::vector<size_t> witnesses(size_t k) const;
 
+  struct Range {
+    int low = 0, high = 0;
+    // By how much a value lies outside.
+    int outside(int value) const { return std::max({0, value - high, low - value}); }
+  };
+
+  // A sample of a photograph, and the range of the 3x3 samples around it.
+  struct Around {
+    bool inside = false;  // are those of the photograph? Of others nothing else is told.
+    int grey = 0, tint = 0;
+    Range greys, tints;
+  };
+
   // Pixels of one column that maps hold.
   struct Pixels {
     int x = 0;
     std::vector<int32_t> rows;
+    std::vector<Around> samples;  // of the rows, see look()
   };
 
-  // Mean difference [1/kDifferenceSteps grey levels] of each of camera k's pixels, where it sees the surface of
-  // maps[k], from the cameras that see it there too; what half a pixel may change is none. kUnknownDifference where no
-  // other does, or no surface is.
-  // Maps of other cameras than k and its witnesses may be null.
+  // What camera k's photograph shows at the rows, whatever the surfaces.
+  void look(size_t k, Pixels& pixels) const;
+
+  // Mean difference [1/kDifferenceSteps grey levels] of each of camera k's pixels that were looked at, where it sees
+  // the surface of maps[k], from the cameras that see it there too; what half a pixel may change is none.
+  // kUnknownDifference where no other does, or no surface is. Maps of other cameras than k and its witnesses may be
+  // null.
   void differences(size_t k, const Pixels& pixels, const std::vector<const VisibilityMap*>& maps,
                    std::vector<int>& found) const;
 
