@@ -4,15 +4,22 @@
 namespace ldp {
 namespace {
 
+// Of the room's frames, by its script, into its folder "cap".
+std::vector<std::string> capture_words(const fs::path& room, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> words{LDP_DEVICE_PROGRAM,
+                                 "capture",
+                                 "--camera",
+                                 "folder:" + (room / "frames").string() + "?fps=60",
+                                 "--button",
+                                 "script:" + (room / "script").string(),
+                                 "-o",
+                                 (room / "cap").string()};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
 TEST_F(LdpdTest, LdpCaptureWritesACaptureFolderAndNothingElse) {
-  const std::vector<std::string> words{LDP_DEVICE_PROGRAM,
-                                       "capture",
-                                       "--camera",
-                                       "folder:" + (room_ / "frames").string() + "?fps=60",
-                                       "--button",
-                                       "script:" + (room_ / "script").string(),
-                                       "-o",
-                                       (room_ / "cap").string()};
+  const std::vector<std::string> words = capture_words(room_);
   EXPECT_EQ(Process(words, room_ / "said").wait().status, 0);
   EXPECT_EQ(frames_in(room_ / "cap"), 14);
   EXPECT_EQ(std::distance(fs::directory_iterator(room_ / "cap"), fs::directory_iterator()), 15);
@@ -22,23 +29,14 @@ TEST_F(LdpdTest, LdpCaptureWritesACaptureFolderAndNothingElse) {
 }
 
 TEST_F(LdpdTest, LdpCaptureTakesAsFewFramesAsItIsAskedFor) {
-  const Finished run =
-      Process(
-          {LDP_DEVICE_PROGRAM, "capture", "--camera", "folder:" + (room_ / "frames").string() + "?fps=60", "--button",
-           "script:" + (room_ / "script").string(), "--max-frames", "3", "-o", (room_ / "cap").string()},
-          room_ / "said")
-          .wait();
+  const Finished run = Process(capture_words(room_, {"--max-frames", "3"}), room_ / "said").wait();
   EXPECT_EQ(run.status, 0) << run.said;
   EXPECT_EQ(frames_in(room_ / "cap"), 3);
 }
 
 TEST_F(LdpdTest, LdpCaptureOnAFullDiskAsksForAnotherTime) {
   const auto where = [&](const std::string& faults) {
-    return Process(with_faults(faults, {LDP_DEVICE_PROGRAM, "capture", "--camera",
-                                        "folder:" + (room_ / "frames").string() + "?fps=60", "--button",
-                                        "script:" + (room_ / "script").string(), "-o", (room_ / "cap").string()}),
-                   room_ / "said")
-        .wait();
+    return Process(with_faults(faults, capture_words(room_)), room_ / "said").wait();
   };
   for (const char* const faults : {"write .jpg * ENOSPC", "mkdir cap * ENOSPC"}) {
     const Finished full = where(faults);
@@ -67,16 +65,7 @@ TEST_F(LdpdTest, LdpCaptureTakesNoFileForAFolderAndNoNameForOne) {
 }
 
 TEST_F(LdpdTest, LdpCaptureTakesAFieldOfViewThatABuildTakes) {
-  std::vector<std::string> words{LDP_DEVICE_PROGRAM,
-                                 "capture",
-                                 "--camera",
-                                 "folder:" + (room_ / "frames").string() + "?fps=60",
-                                 "--button",
-                                 "script:" + (room_ / "script").string(),
-                                 "-o",
-                                 (room_ / "cap").string(),
-                                 "--fov",
-                                 "160"};
+  std::vector<std::string> words = capture_words(room_, {"--fov", "160"});
   const Finished wide = Process(words, room_ / "wide").wait();
   EXPECT_EQ(wide.status, 2);
   EXPECT_THAT(wide.said, HasSubstr("--fov: Value 160 not in range 5.000000 to 150.000000 and is not 0"));
