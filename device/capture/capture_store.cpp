@@ -10,12 +10,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <thread>
 
 #include "core/base/files.h"
 #include "core/captures/json_fields.h"
 #include "core/captures/json_text.h"
+#include "core/geometry/degrees.h"
 #include "device/capture/capture_tuning.h"
 #include "device/capture/log.h"
 #include "device/capture/sweep_name.h"
@@ -102,7 +102,7 @@ std::string capture_json(const CaptureRecord& record) {
   json["height"] = record.height;
   json["pixel_format"] = record.pixel_format;
   json["arm_length"] = record.arm_length_m;
-  if (record.fov_rad) json["fov_degrees"] = *record.fov_rad * (180 / std::numbers::pi);
+  if (record.fov_rad) json["fov_degrees"] = *record.fov_rad * kDegreesPerRadian;
   json["exposure_locked"] = record.exposure_locked;
   json["begin_utc"] = utc(record.begin_utc_ns);
   json["clock_synchronized"] = record.clock_synchronized;
