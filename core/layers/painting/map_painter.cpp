@@ -111,7 +111,7 @@ bool MapPainter::beside_view(const Sides& sides) const {
          always(sides.right, [](double x_px) { return x_px < -1; });
 }
 
-// The innermost loop of all painting: nothing of what it writes may alias what it reads again.
+// The innermost loop of all painting: in local variables, so that no pixel it writes makes it read them again.
 void MapPainter::draw_boxes(int x) {
   const kernels::Boxes boxes = boxes_;
   const int count = grid_.height, height = map_.inverse_z.width;
