@@ -92,9 +92,9 @@ struct Evidence {
 // What to do with a photograph's map of Agreement, of half its size; may be empty.
 using AgreementSink = std::function<void(const std::string& photo, const Plane<uint8_t>& agreement)>;
 
-// Holds three photographs, their depths, and the panorama's mesh in memory. `observer` may be null.
+// Holds three photographs, their depths, and the panorama's mesh in memory.
 ConsistencyReport hold_against(const Evidence& evidence, const LayeredPanorama& panorama,
                                const ConsistencyOptions& options, const Job& job, const AgreementSink& sink = {},
-                               consistency::Observer* observer = nullptr);
+                               const std::vector<consistency::Observer*>& observers = {});
 
 }  // namespace ldp

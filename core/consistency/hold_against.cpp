@@ -82,11 +82,11 @@ void compare_sharpness(const RgbImage& photo, const RgbImage& view, const Plane<
 class Holding {
  public:
   Holding(const Evidence& evidence, const LayeredPanorama& panorama, const ConsistencyOptions& options, const Job& job,
-          consistency::Observer* observer)
+          const std::vector<consistency::Observer*>& observers)
       : panorama_(panorama),
         options_(options),
         job_(job),
-        observer_(observer),
+        observers_(observers),
         renderings_(evidence, panorama),
         directions_(panorama.grid, options.directions) {}
 
@@ -110,12 +110,13 @@ class Holding {
   };
 
   void take(size_t index) {
-    consistency::RenderedPhoto taken = renderings_.take(index, job_, observer_);
+    consistency::RenderedPhoto taken = renderings_.take(index, job_, observers_);
     held_.push_back({index,
                      {&panorama_.cameras[index], std::move(taken.photo), std::move(taken.view.depth)},
                      {std::move(taken.view.colour), std::move(taken.view.alpha)}});
     const Held* before = index > 0 ? &held_[held_.size() - 2].held : nullptr;
-    if (observer_ != nullptr) observer_->rendered(index, held_.back().held, held_.back().rendering, before);
+    for (consistency::Observer* observer : observers_)
+      observer->rendered(index, held_.back().held, held_.back().rendering, before);
   }
 
   void compare(size_t index, const AgreementSink& sink) {
@@ -159,7 +160,7 @@ class Holding {
   const LayeredPanorama& panorama_;
   const ConsistencyOptions& options_;
   const Job& job_;
-  consistency::Observer* observer_;
+  const std::vector<consistency::Observer*>& observers_;
   consistency::RenderedPhotos renderings_;
   Directions directions_;
   std::deque<Taken> held_;
@@ -170,8 +171,8 @@ class Holding {
 
 ConsistencyReport hold_against(const Evidence& evidence, const LayeredPanorama& panorama,
                                const ConsistencyOptions& options, const Job& job, const AgreementSink& sink,
-                               consistency::Observer* observer) {
-  return Holding(evidence, panorama, options, job, observer).run(sink);
+                               const std::vector<consistency::Observer*>& observers) {
+  return Holding(evidence, panorama, options, job, observers).run(sink);
 }
 
 }  // namespace ldp

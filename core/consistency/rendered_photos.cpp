@@ -4,9 +4,9 @@ namespace ldp::consistency {
 RenderedPhotos::RenderedPhotos(const Evidence& evidence, const LayeredPanorama& panorama)
     : evidence_(evidence), panorama_(panorama), local_(panorama.cameras, evidence.gains), renderer_(panorama) {}
 
-RenderedPhoto RenderedPhotos::take(size_t camera, const Job& job, Observer* observer) {
+RenderedPhoto RenderedPhotos::take(size_t camera, const Job& job, const std::vector<Observer*>& observers) {
   RenderedPhoto taken{evidence_.frames.load(evidence_.frame_of_camera[camera]), {}};
-  if (observer != nullptr) observer->taken(camera, taken.photo);
+  for (Observer* observer : observers) observer->taken(camera, taken.photo);
   exposure_of(camera).apply(taken.photo);
   RenderOptions options;
   options.depth = true;

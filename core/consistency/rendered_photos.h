@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "core/base/job.h"
 #include "core/consistency/consistency.h"
@@ -23,8 +24,8 @@ class RenderedPhotos {
   // Refers to both.
   RenderedPhotos(const Evidence& evidence, const LayeredPanorama& panorama);
 
-  // Of each camera, by rising index. `observer`, if any, is told of the photograph as it was taken.
-  RenderedPhoto take(size_t camera, const Job& job, Observer* observer = nullptr);
+  // Of each camera, by rising index. Observers are told of the photograph as it was taken.
+  RenderedPhoto take(size_t camera, const Job& job, const std::vector<Observer*>& observers = {});
 
  private:
   PhotoExposure exposure_of(size_t camera) const;

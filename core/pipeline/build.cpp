@@ -9,6 +9,7 @@
 #include "core/arc/arc.h"
 #include "core/base/exact_math.h"
 #include "core/colour/colour.h"
+#include "core/consistency/back_projection.h"
 #include "core/consistency/consistency.h"
 #include "core/layers/layers.h"
 #include "core/layers/proposal_fusion.h"
@@ -347,7 +348,7 @@ class Build {
     watch_.lap("colour");
   }
 
-  void hold_against_photographs(const LayeredPanorama& panorama) {
+  void hold_against_photographs(LayeredPanorama& panorama) {
     std::vector<SourceMap>().swap(sources_);
     std::vector<Plane<uint8_t>>().swap(neighbours_);
     std::vector<DisparityMap>().swap(layers_);
@@ -357,8 +358,10 @@ class Build {
         pictures_.agreement("agreement " + photo, map);
       };
     Rephotography rephotography(grid_, poses_.cameras, gains_, job_, report_.evidence);
-    report_.consistency =
-        hold_against({frames_, poses_.frame_of_camera, own_gains()}, panorama, {}, job_, sink, &rephotography);
+    BackProjection towards(panorama, job_);
+    report_.consistency = hold_against({frames_, poses_.frame_of_camera, own_gains()}, panorama, {}, job_, sink,
+                                       {&rephotography, &towards});
+    towards.correct(panorama.layers.front());
     watch_.lap("consistency");
   }
 

@@ -1,10 +1,12 @@
 #include "core/consistency/consistency.h"
+#include "core/consistency/back_projection.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -89,13 +91,13 @@ struct Pictures : FrameSource {
 };
 
 ConsistencyReport held(const Pictures& photos, const LayeredPanorama& panorama, int threads = 1,
-                       const Gain& gain = {1, 1, 1}) {
+                       const Gain& gain = {1, 1, 1}, const std::vector<consistency::Observer*>& observers = {}) {
   std::vector<int> frames;
   for (int i = 0; i < photos.size(); ++i) frames.push_back(i);
   const std::vector<Gain> gains(frames.size(), gain);
   Job job;
   job.threads = threads;
-  return hold_against({photos, frames, gains}, panorama, {}, job);
+  return hold_against({photos, frames, gains}, panorama, {}, job, {}, observers);
 }
 
 TEST(Consistency, APanoramaAgreesWithItsOwnRenderings) {
@@ -213,6 +215,76 @@ TEST(Consistency, StripsShowTheSameAsTheWholePanorama) {
       EXPECT_EQ(differing, 0) << camera.name << (wraps ? ", wraps" : "");
     }
   }
+}
+
+LayeredPanorama drawn_to(const Pictures& photos, LayeredPanorama panorama, int threads = 1) {
+  Job job;
+  job.threads = threads;
+  BackProjection towards(panorama, job);
+  held(photos, panorama, threads, {1, 1, 1}, {&towards});
+  towards.correct(panorama.layers.front());
+  return panorama;
+}
+
+// The front layer's colours, each the mean of nine.
+LayeredPanorama blurred(LayeredPanorama panorama) {
+  RgbImage& colour = panorama.layers[0].colour;
+  const RgbImage sharp = colour;
+  for (int y = 1; y + 1 < colour.height; ++y)
+    for (int x = 1; x + 1 < colour.width; ++x) {
+      std::array<int, 3> sum{};
+      for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i) {
+          const Rgb c = sharp.at(x + i, y + j);
+          sum[0] += c.r, sum[1] += c.g, sum[2] += c.b;
+        }
+      colour.at(x, y) = {uint8_t(sum[0] / 9), uint8_t(sum[1] / 9), uint8_t(sum[2] / 9)};
+    }
+  return panorama;
+}
+
+// Of a channel, where photographs from all sides see the wall.
+double mean_difference(const LayeredPanorama& a, const LayeredPanorama& b) {
+  int64_t sum = 0, count = 0;
+  for (int y = 50; y < 110; ++y)
+    for (int x = 180; x < 330; ++x, ++count)
+      sum += std::abs(a.layers[0].colour.at(x, y).g - b.layers[0].colour.at(x, y).g);
+  return static_cast<double>(sum) / static_cast<double>(count);
+}
+
+TEST(BackProjection, WhatIsBlurredComesCloserToThePhotographs) {
+  const LayeredPanorama truth = make_panorama(false);
+  const Pictures photos(truth);
+  const LayeredPanorama before = blurred(truth), after = drawn_to(photos, before);
+  EXPECT_LT(mean_difference(after, truth), 0.5 * mean_difference(before, truth));
+  EXPECT_GT(held(photos, after).all.psnr_db(), held(photos, before).all.psnr_db() + 3);
+}
+
+TEST(BackProjection, WhatIsRightStays) {
+  const LayeredPanorama truth = make_panorama(true);
+  EXPECT_LT(mean_difference(drawn_to(Pictures(truth), truth), truth), 0.1);
+}
+
+TEST(BackProjection, AnotherThingThatPhotographsShowIsLeftToIt) {
+  const LayeredPanorama without = make_panorama(false);
+  EXPECT_LT(mean_difference(drawn_to(Pictures(make_panorama(true)), without), without), 0.5);
+}
+
+TEST(BackProjection, PhotographsThatDisagreeMoveNothing) {
+  const LayeredPanorama panorama = make_panorama(false);
+  Pictures photos(panorama);
+  for (size_t i = 0; i < photos.pictures.size(); ++i)
+    for (Rgb& c : photos.pictures[i].samples) {
+      const int by = i % 2 == 0 ? 20 : -20;
+      c = {uint8_t(c.r + by), uint8_t(c.g + by), uint8_t(c.b + by)};
+    }
+  EXPECT_LT(mean_difference(drawn_to(photos, panorama), panorama), 3);
+}
+
+TEST(BackProjection, ThreadsDoNotMatter) {
+  const LayeredPanorama truth = make_panorama(true), before = blurred(truth);
+  const Pictures photos(truth);
+  EXPECT_EQ(drawn_to(photos, before, 1).layers, drawn_to(photos, before, 4).layers);
 }
 
 }  // namespace
