@@ -100,6 +100,8 @@ export class LdpReader {
   /** A JPEG file. */
   readonly thumbnail: Uint8Array | null;
   stripCount(layer: number): number;
+  /** Of the colours, for who wants to begin decoding them. */
+  imagesOf(layer: number): { bytes: Uint8Array; type: string }[];
   /** Everything of a strip but its colours; x0 is its first column. */
   readDepthStrip(layer: number, strip: number): Omit<LayerPlanes, 'colour'> & { x0: number };
   /** Without decodeImage colours are 0 0 0. */

@@ -16,8 +16,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kTexturePx = 4096;                       // columns of one texture: what every graphics chip takes
-constexpr int kMostTolerance = 4 * kSurfaceTolerance;  // 1.2 % of the inverse-depth range
+constexpr int kTexturePx = 4096;  // columns of one texture: what every graphics chip takes
+// Disparity steps by which surfaces may be flatter than depths: .3 to 1.2 % of the inverse-depth range.
+constexpr std::array kTolerances = {kSurfaceTolerance, 17, 24, 34, 4 * kSurfaceTolerance};
 constexpr double kHorizon = 1000.0;  // points at infinity are drawn at this many times the arc's radius (or unit, if 0)
 // Of a coordinate, sign and all, where exponents are shared: a third of a pixel of a panorama of 3000 px at most.
 constexpr int kPositionBits = 13;
@@ -252,17 +253,17 @@ size_t triangle_count(const LayeredPanorama& panorama, const SurfacePart& whole,
   return count;
 }
 
-// The finest mesh that is not too much for its readers: flatter surfaces first, coarser silhouettes when that is not
-// enough.
+// The finest mesh that is not too much for its readers: silhouettes as fine as any flatness allows, then surfaces as
+// near to the depths as silhouettes allow.
 SurfacePart part_that_fits(const LayeredPanorama& panorama, const Job& job) {
-  constexpr size_t kMostTriangles = 900'000;
+  constexpr size_t kMostTriangles = 840'000;
   constexpr int kCoarsest = 8;
-  SurfacePart part{0, panorama.grid.width};
-  while (part.step < kCoarsest && triangle_count(panorama, part, job) > kMostTriangles) {
-    if (part.tolerance < kMostTolerance)
-      part.tolerance *= 2;
-    else
-      part.step *= 2;
+  const auto fits = [&](const SurfacePart& part) { return triangle_count(panorama, part, job) <= kMostTriangles; };
+  SurfacePart part{0, panorama.grid.width, 1, kTolerances.back()};
+  while (part.step < kCoarsest && !fits(part)) part.step *= 2;
+  for (const int tolerance : kTolerances) {
+    part.tolerance = tolerance;
+    if (tolerance == kTolerances.back() || fits(part)) break;
   }
   return part;
 }

@@ -11,6 +11,10 @@
 namespace ldp {
 namespace {
 
+// Where a surface is torn it goes on by so many halves of a smallest cell, or under what is nearer and where its layer
+// ends, so that a step aside opens no slit.
+constexpr int kBeside = 1, kUnderneath = 3;
+
 int sign(int v) { return (v > 0) - (v < 0); }
 
 class SurfaceMaker {
@@ -100,7 +104,8 @@ class SurfaceMaker {
   // On the way from a pixel, whose colour and depth it has, to a neighbour: dx and dy in half pixels.
   uint32_t shared_vertex(int x, int y, int dx, int dy) {
     const auto way = static_cast<uint64_t>((sign(dx) + 1) * 3 + sign(dy) + 1);
-    const uint64_t key = way << 48 | static_cast<uint64_t>(y) << 24 | static_cast<uint64_t>(x);
+    const auto far = static_cast<uint64_t>(std::max(std::abs(dx), std::abs(dy)));
+    const uint64_t key = far << 52 | way << 48 | static_cast<uint64_t>(y) << 24 | static_cast<uint64_t>(x);
     const auto [found, is_new] = vertex_at_.try_emplace(key, static_cast<uint32_t>(surface_.vertices.size()));
     if (is_new) {
       const auto px = static_cast<float>(x) + 0.5f;
@@ -124,8 +129,8 @@ class SurfaceMaker {
     emit(a, b, c, d);
   }
 
-  // The quad between four neighbouring pixels. If it is torn each of its surfaces keeps its part of it, half a pixel
-  // wide: corners of another surface are taken from the nearest of its own.
+  // The quad between four neighbouring pixels. If it is torn each of its surfaces has its part of it: corners of
+  // another surface are taken from the nearest of its own.
   void emit_smallest(int x, int y, int x1, int y1) {
     const std::array<Corner, 4> corners = {corner(x, y), corner(x1, y), corner(x, y1), corner(x1, y1)};
     std::array<int, 4> group = {0, 1, 2, 3};
@@ -153,7 +158,9 @@ class SurfaceMaker {
       if (group[from] != own) from = i ^ 2;
       if (group[from] != own) from = i ^ 3;
       const Corner& source = corners[from];
-      index[i] = shared_vertex(source.x, source.y, corners[i].x - source.x, corners[i].y - source.y);
+      const int reach = corners[i].present && corners[i].disparity <= source.disparity ? kBeside : kUnderneath;
+      index[i] =
+          shared_vertex(source.x, source.y, reach * (corners[i].x - source.x), reach * (corners[i].y - source.y));
     }
     emit(index[0], index[1], index[2], index[3]);
   }

@@ -75,6 +75,27 @@ test('the example of FORMAT.md has the geometry and the records written there', 
   assert.equal(reader.thumbnail.length, 316);
 });
 
+test('the images told of are those that colours are decoded from', async () => {
+  for (const file of goldenFiles) {
+    const reader = new LdpReader(file);
+    for (let layer = 0; layer < reader.layers.length; layer++) {
+      const asked = [];
+      await reader.readLayer(layer, { decodeImage: (bytes, type) => {
+        asked.push({ bytes, type });
+        return pillow.decodeImage(bytes);
+      } });
+      assert.deepEqual(reader.imagesOf(layer), asked);
+    }
+  }
+});
+
+test('an image larger than its strip is not told of', () => {
+  const file = goldenFiles[goldenNames.indexOf('tiny.ldp')].slice();
+  assert.equal(new LdpReader(file).imagesOf(0).length, 1);
+  file.set([0xff, 0x3f], 1669);
+  assert.equal(new LdpReader(seal(file)).imagesOf(0).length, 0);
+});
+
 test('400 damaged files are refused in words, or read as the C++ reader reads them', async () => {
   const files = damagedCopies(goldenFiles, 400, 31);
   const expected = judgedByCpp(files);

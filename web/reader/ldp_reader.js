@@ -1,9 +1,10 @@
 import { decodeBlockRanges, singleRange } from './block_ranges.js';
 import { decodeColour } from './colour.js';
 import { bytesOfChunk, nameOfChunk, readContainer } from './container.js';
-import { decodeCoverage, decodeTiles } from './coverage.js';
+import { decodeCoverage, decodeTiles, TILE } from './coverage.js';
 import { CodeDecoder, NO_DISPARITY } from './depth_codes.js';
 import { LdpError, refuse } from './errors.js';
+import { imageSize } from './image_size.js';
 import { decodeAlpha, opaqueAlpha } from './opacity.js';
 import { RangeDecoder } from './range_decoder.js';
 import { readCameras, readExposure, readHead, readLayerRecord, readMetadata, readQuality } from './records.js';
@@ -122,6 +123,19 @@ export class LdpReader {
     if (present !== this.layers[layer].present)
       refuse(`chunk LAYR of layer ${layer + 1}`, 'number of present pixels', this.layers[layer].present, present);
     return parts;
+  }
+
+  /** The images of a layer's colours that are no larger than its strips, for who wants to begin decoding them. */
+  imagesOf(layer) {
+    const most = (pixels) => Math.ceil(pixels / TILE) * TILE;
+    const images = [];
+    for (let strip = 0; strip < this.stripCount(layer); strip++) {
+      const bytes = this.needed('COLR', layer, strip).subarray(1);
+      const found = imageSize(bytes);
+      if (found && found.width <= most(this.layers[layer].stripPx) && found.height <= most(this.head.height))
+        images.push({ bytes, type: found.type });
+    }
+    return images;
   }
 
   readColour(layer, strip, part, decodeImage) {

@@ -3,6 +3,7 @@ import { ABSENT, emptyLayer, sameSurface } from './prepared_layer.js';
 const INSIDE_PX = 10; // nearer to a photograph's border depths are unsure
 const WITNESSED_ROWS = 4; // of a surface that goes on, which two photographs could show
 const ROW_STEP = 4; // of the rows that are asked for that
+const FIRST_STRIDE = 16; // rows over which no photograph begins and ends
 const BRIDGE = 64; // columns to either side within which a surface that they do show stands by others
 const BRIDGE_SHARE = 0.1; // of its inverse depth by which the other may differ
 const MOST_MIRRORED = 160; // rows of a surface that its continuation shows again, there and back
@@ -146,8 +147,11 @@ class ColumnEnd {
   rowsBeyond(x, y) {
     const w = this.w(x, y);
     const most = this.mostRows(w);
-    let rows = 0;
-    while (rows < most && !this.frames.showing(x, y + this.step * (rows + 1), w, 1)) rows++;
+    const isShown = (rows) => this.frames.showing(x, y + this.step * rows, w, 1);
+    if (most === 0 || isShown(1)) return 0;
+    let rows = 1;
+    for (let stride = FIRST_STRIDE; stride >= 1; stride /= 2)
+      while (rows + stride <= most && !isShown(rows + stride)) rows += stride;
     return rows;
   }
 

@@ -1,7 +1,7 @@
 import { extendBeyondFrames } from './frame_extension.js';
 import { smoothCodes } from './code_smoother.js';
 import { CodedDepths, prepareLayer } from './prepared_layer.js';
-import { StripCells } from './strip_cells.js';
+import { CellScratch, StripCells } from './strip_cells.js';
 import { TornQuads } from './torn_quads.js';
 import { makeUnderlay } from './underlay.js';
 
@@ -27,6 +27,10 @@ export class MeshBuilder {
     this.depths = new CodedDepths(head);
     /** @type {import('./prepared_layer.js').PreparedLayer[]} */
     this.layers = [];
+    this.torn = new TornQuads(this.layers, this.depths);
+    this.scratch = new CellScratch();
+    /** of each strip what is made already: quads of its first layers */
+    this.quadsOf = Array.from({ length: this.stripCount }, () => []);
   }
 
   /**
@@ -57,8 +61,9 @@ export class MeshBuilder {
    * @property {number} wMax
    * @property {number} top first row with a vertex
    * @property {number} bottom last row
-   * @property {import('./strip_cells.js').Cells[]} cells of each layer that has any, front to back
-   * @property {ArrayBuffer} opaque torn quads (torn_quads.js), in no order
+   * @property {import('./strip_cells.js').Cells[]} cells of each layer that has any, front to back: of layers that were not
+   *   there yet when the strip was built before
+   * @property {ArrayBuffer} opaque torn quads (torn_quads.js) of all layers, in no order
    * @property {ArrayBuffer} soft those with a corner that is not opaque, the farthest first
    */
 
@@ -66,15 +71,19 @@ export class MeshBuilder {
   buildStrip(strip) {
     const x0 = strip * STRIP_PX;
     const x1 = Math.min(x0 + STRIP_PX, this.quadsAcross);
-    const torn = new TornQuads(this.layers, this.depths, x0);
+    const { torn } = this;
+    const quads = this.quadsOf[strip];
     const cells = [];
+    torn.begin(x0);
     this.layers.forEach((layer, index) => {
-      const inLayer = new StripCells(layer, this.depths, this.head, x0, x1);
-      torn.addLayer(index, inLayer);
-      const merged = inLayer.merge();
-      if (merged) cells.push(merged);
+      if (index === quads.length) {
+        quads.push(new StripCells(layer, this.depths, this.head, x0, x1));
+        const merged = quads[index].merge(this.scratch);
+        if (merged) cells.push(merged);
+      }
+      torn.addLayer(index, quads[index]);
     });
-    const bounds = boundsOf([...cells.map((c) => c.bounds), torn.bounds]);
+    const bounds = boundsOf([...quads.map((inLayer) => inLayer.bounds).filter(Boolean), torn.bounds]);
     return { x0, x1, cells, ...torn.take(), ...bounds };
   }
 }

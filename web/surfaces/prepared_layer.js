@@ -70,8 +70,13 @@ export function prepareLayer(head, depths, planes) {
   return layer;
 }
 
-/** Whether pixels i and j of a layer, both present, are of one surface. */
+/**
+ * Whether pixels i and j of a layer, both present, are of one surface. Smoothing moves each by no more than half its
+ * step, so that most are told by what they are now.
+ */
 export function sameSurface(layer, depths, i, j) {
+  const apart = layer.w[i] - layer.w[j];
+  if (apart <= depths.parallax && -apart <= depths.parallax) return true;
   return depths.connected(depths.w[layer.code[i]], depths.steps[layer.step[i]], depths.w[layer.code[j]],
                           depths.steps[layer.step[j]]);
 }

@@ -26,6 +26,8 @@ export class StripCells {
     /** 1 where the quad is solid and opaque, columns x rows */
     this.solid = new Uint8Array(this.columns * this.rows);
     this.findSolid();
+    /** of the merged cells, null if there are none */
+    this.bounds = null;
   }
 
   /** Index into the layer's planes of the quad's upper left pixel. */
@@ -55,38 +57,57 @@ export class StripCells {
 
   joins(i, j) { return sameSurface(this.layer, this.depths, i, j) ? 1 : 0; }
 
-  /** @returns {Cells|null} null if no quad is solid */
-  merge() {
+  /** @param {CellScratch} scratch @returns {Cells|null} null if no quad is solid */
+  merge(scratch) {
     const corners = this.cornersOfCells();
     if (corners.length === 0) return null;
-    const mesh = new CellMesh(this, corners);
-    return mesh.take();
+    const cells = new CellMesh(this, corners, scratch).take();
+    this.bounds = cells.bounds;
+    return cells;
   }
 
   /** x, y, size of every cell, one after the other. */
   cornersOfCells() {
     const cells = [];
-    const split = (x, y, size) => {
+    const solidOf = this.solidCells();
+    const split = (x, y, size, level) => {
       if (x >= this.columns || y >= this.rows) return;
-      if (size === 1 ? this.solid[y * this.columns + x] : this.isFlat(x, y, size)) {
+      const { across, solid } = solidOf[level];
+      if (solid[(y >> level) * across + (x >> level)] && this.isFlat(x, y, size)) {
         cells.push(x, y, size);
       } else if (size > 1) {
         const half = size / 2;
-        split(x, y, half);
-        split(x + half, y, half);
-        split(x, y + half, half);
-        split(x + half, y + half, half);
+        split(x, y, half, level - 1);
+        split(x + half, y, half, level - 1);
+        split(x, y + half, half, level - 1);
+        split(x + half, y + half, half, level - 1);
       }
     };
-    for (let y = 0; y < this.rows; y += LARGEST_CELL) for (let x = 0; x < this.columns; x += LARGEST_CELL) split(x, y, LARGEST_CELL);
+    for (let y = 0; y < this.rows; y += LARGEST_CELL)
+      for (let x = 0; x < this.columns; x += LARGEST_CELL) split(x, y, LARGEST_CELL, solidOf.length - 1);
     return cells;
   }
 
-  /** Whether all quads of a cell are solid and its pixels lie near the bilinear surface of its corners. */
+  /** Of cells of 1, 2, 4 .. LARGEST_CELL quads a side whether all of their quads are there and solid. */
+  solidCells() {
+    const levels = [{ across: this.columns, down: this.rows, solid: this.solid }];
+    for (let size = 2; size <= LARGEST_CELL; size *= 2) {
+      const fine = levels[levels.length - 1];
+      const [across, down] = [Math.ceil(fine.across / 2), Math.ceil(fine.down / 2)];
+      const solid = new Uint8Array(across * down);
+      for (let y = 0; y < fine.down >> 1; y++)
+        for (let x = 0; x < fine.across >> 1; x++) {
+          const i = 2 * y * fine.across + 2 * x;
+          solid[y * across + x] = fine.solid[i] & fine.solid[i + 1] & fine.solid[i + fine.across] & fine.solid[i + fine.across + 1];
+        }
+      levels.push({ across, down, solid });
+    }
+    return levels;
+  }
+
+  /** Whether the pixels of a cell of solid quads lie near the bilinear surface of its corners. */
   isFlat(x0, y0, size) {
-    if (x0 + size > this.columns || y0 + size > this.rows) return false;
-    for (let y = y0; y < y0 + size; y++)
-      for (let x = x0; x < x0 + size; x++) if (!this.solid[y * this.columns + x]) return false;
+    if (size === 1) return true;
     const { w, columns } = this.layer;
     const i = this.pixel(x0, y0);
     const [a, b, c, d] = [w[i], w[i + size], w[i + size * columns], w[i + size * columns + size]];
@@ -100,17 +121,39 @@ export class StripCells {
   }
 }
 
+/** Memory of one mesh of cells after another. */
+export class CellScratch {
+  constructor() {
+    /** of each pixel: 1 where it is a vertex of something */
+    this.used = new Uint8Array(0);
+    /** of each pixel: which vertex it is, -1: none */
+    this.indexOf = new Int32Array(0);
+    /** of each vertex: which pixel it is */
+    this.places = new Uint32Array(0);
+    this.triangles = new Uint32Array(0);
+  }
+
+  /** @param {number} pixels @param {number} indices of triangles */
+  clear(pixels, indices) {
+    if (this.used.length < pixels) {
+      this.used = new Uint8Array(pixels);
+      this.indexOf = new Int32Array(pixels);
+      this.places = new Uint32Array(pixels);
+    }
+    this.used.fill(0);
+    this.indexOf.fill(-1);
+    if (this.triangles.length < indices) this.triangles = new Uint32Array(indices);
+  }
+}
+
 /** Triangles of cells of different size: where a cell's side has vertices of smaller neighbours it takes them in. */
 class CellMesh {
-  constructor(quads, cells) {
+  constructor(quads, cells, scratch) {
     Object.assign(this, { quads, cells });
     this.across = quads.columns + 1;
-    /** of each pixel: 1 where it is a vertex of something */
-    this.used = new Uint8Array(this.across * (quads.rows + 1));
-    this.indexOf = new Int32Array(this.used.length).fill(-1);
-    this.places = new Uint32Array(this.used.length);
+    scratch.clear(this.across * (quads.rows + 1), roomFor(cells));
+    Object.assign(this, scratch);
     this.placeCount = 0;
-    this.triangles = new Uint32Array(roomFor(cells));
     this.triangleCount = 0; // three numbers each
     this.markUsed();
     for (let k = 0; k < cells.length; k += 3) this.addCell(cells[k], cells[k + 1], cells[k + 2]);

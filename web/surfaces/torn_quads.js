@@ -7,9 +7,11 @@ const QUAD_WORDS = TORN_VERTEX_BYTES;
 const EXTENDED_FROM = [[1, 2, 3], [0, 3, 2], [3, 0, 1], [2, 1, 0]];
 const JOINS = [0, 1, 0, 2, 1, 3, 2, 3, 0, 3, 1, 2]; // pairs of corners
 const OPAQUE = 255;
+const DIGIT_BITS = 11;
+const DIGIT_MASK = (1 << DIGIT_BITS) - 1;
 
 /**
- * The quads of a strip that are torn or not opaque. Each surface that touches one becomes a quad of its own, whose missing
+ * The quads of one strip after another that are torn or not opaque. Each surface that touches one becomes a quad of its own, whose missing
  * corners are, in this order,
  *   - the pixel of another layer that continues the surface, so that layers are sewn together without a seam;
  *   - a copy of the neighbouring corner: opaque where something nearer hides it, transparent where nothing nearer does
@@ -17,15 +19,20 @@ const OPAQUE = 255;
  */
 export class TornQuads {
   /** @param {import('./prepared_layer.js').PreparedLayer[]} layers all that are drawn, made-up ones too */
-  constructor(layers, depths, x0) {
-    Object.assign(this, { layers, depths, x0 });
+  constructor(layers, depths) {
+    Object.assign(this, { layers, depths });
     this.opaque = new GrowingQuads();
     this.soft = new GrowingQuads();
-    this.bounds = { wMin: Infinity, wMax: 0, top: Infinity, bottom: -Infinity };
     this.surface = new Int8Array(4);
     this.at = new Int32Array(4); // the quad's pixels in its layer's planes
     this.w = new Float32Array(4);
     this.colour = new Uint32Array(4);
+  }
+
+  /** Another strip. @param {number} x0 */
+  begin(x0) {
+    this.x0 = x0;
+    this.bounds = { wMin: Infinity, wMax: 0, top: Infinity, bottom: -Infinity };
   }
 
   /** @param {number} index of the layer @param {import('./strip_cells.js').StripCells} quads its quads in the strip */
@@ -116,7 +123,7 @@ export class TornQuads {
     bounds.bottom = Math.max(bounds.bottom, row + 1);
   }
 
-  /** @returns {{opaque: ArrayBuffer, soft: ArrayBuffer}} soft: the farthest first */
+  /** Those of the strip. @returns {{opaque: ArrayBuffer, soft: ArrayBuffer}} soft: the farthest first */
   take() {
     return { opaque: this.opaque.take(), soft: this.soft.takeSorted() };
   }
@@ -148,17 +155,39 @@ class GrowingQuads {
     this.count++;
   }
 
-  take() { return this.words.slice(0, QUAD_WORDS * this.count).buffer; }
+  /** All of them; none are left. */
+  take() {
+    const taken = this.words.slice(0, QUAD_WORDS * this.count);
+    this.count = 0;
+    return taken.buffer;
+  }
 
   /** By the mean of their inverse depths, least first. */
   takeSorted() {
     const keys = new Float32Array(this.count);
     for (let i = 0, at = 0; i < this.count; i++, at += QUAD_WORDS)
       keys[i] = this.floats[at + 1] + this.floats[at + 4] + this.floats[at + 7] + this.floats[at + 10];
-    const order = Uint32Array.from(keys, (_, i) => i).sort((a, b) => keys[a] - keys[b]);
+    const order = ascending(keys);
     const sorted = new Uint32Array(QUAD_WORDS * this.count);
-    for (let to = 0; to < this.count; to++)
-      sorted.set(this.words.subarray(QUAD_WORDS * order[to], QUAD_WORDS * (order[to] + 1)), QUAD_WORDS * to);
+    for (let i = 0, to = 0; i < order.length; i++)
+      for (let k = 0, from = QUAD_WORDS * order[i]; k < QUAD_WORDS; k++) sorted[to++] = this.words[from++];
+    this.count = 0;
     return sorted.buffer;
   }
+}
+
+/** The order of numbers that are not negative, whose bits therefore stand in their order too; equal ones stay in theirs. */
+function ascending(numbers) {
+  const bits = new Uint32Array(numbers.buffer);
+  let order = new Uint32Array(bits.length);
+  for (let i = 0; i < order.length; i++) order[i] = i;
+  let sorted = new Uint32Array(order.length);
+  for (let shift = 0; shift < 32; shift += DIGIT_BITS) {
+    const next = new Uint32Array(1 << DIGIT_BITS); // where the next number of each digit goes
+    for (const number of bits) next[(number >>> shift) & DIGIT_MASK]++;
+    for (let digit = 0, before = 0; digit <= DIGIT_MASK; digit++) [next[digit], before] = [before, before + next[digit]];
+    for (const i of order) sorted[next[(bits[i] >>> shift) & DIGIT_MASK]++] = i;
+    [order, sorted] = [sorted, order];
+  }
+  return order;
 }

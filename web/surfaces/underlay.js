@@ -31,6 +31,27 @@ function deepestOf(layers) {
   return deepest;
 }
 
+/** Pixels that take over another's surface. */
+class Steps {
+  constructor() {
+    this.count = 0;
+    this.to = new Int32Array(1024);
+    this.from = new Int32Array(1024);
+  }
+
+  add(to, from) {
+    if (this.count === this.to.length) [this.to, this.from] = [twice(this.to), twice(this.from)];
+    this.to[this.count] = to;
+    this.from[this.count++] = from;
+  }
+}
+
+function twice(values) {
+  const grown = new Int32Array(2 * values.length);
+  grown.set(values);
+  return grown;
+}
+
 class Grower {
   constructor(deepest, depths, wraps) {
     Object.assign(this, { deepest, depths, wraps });
@@ -55,20 +76,20 @@ class Grower {
   }
 
   /** All from the same state. */
-  take(steps) {
+  take({ to, from, count }) {
     for (const plane of PLANES) {
       const values = this.deepest[plane];
-      const taken = values.slice(0, steps.length / 2);
-      for (let k = 0; k < taken.length; k++) taken[k] = values[steps[2 * k + 1]];
-      for (let k = 0; k < taken.length; k++) values[steps[2 * k]] = taken[k];
+      const taken = values.slice(0, count);
+      for (let k = 0; k < count; k++) taken[k] = values[from[k]];
+      for (let k = 0; k < count; k++) values[to[k]] = taken[k];
     }
-    for (let k = 0; k < steps.length; k += 2) this.grown[steps[k]] = 1;
+    for (let k = 0; k < count; k++) this.grown[to[k]] = 1;
   }
 
-  /** Of all pixels those beside a deeper surface, each with the pixel of it that goes on there: [to, from, ...]. */
+  /** Of all pixels those beside a deeper surface, each with the pixel of it that goes on there. */
   firstSteps() {
     const { columns, rows } = this.deepest;
-    const steps = [];
+    const steps = new Steps();
     for (let y = 0; y < rows; y++)
       for (let x = 0, i = y * columns; x < this.columns; x++, i++) this.addStep(i, x, steps);
     return steps;
@@ -76,9 +97,9 @@ class Grower {
 
   /** The same of what changed and its neighbours, each asked once: nowhere else is there anything new. */
   stepsAround(before, round) {
-    const steps = [];
-    for (let k = 0; k < before.length; k += 2) {
-      const own = before[k];
+    const steps = new Steps();
+    for (let k = 0; k < before.count; k++) {
+      const own = before.to[k];
       const x = own % this.deepest.columns;
       this.ask(own, round, steps);
       this.ask(this.left(own, x), round, steps);
@@ -100,7 +121,7 @@ class Grower {
     best = this.deeper(own, best, this.right(own, x));
     best = this.deeper(own, best, this.above(own));
     best = this.deeper(own, best, this.below(own));
-    if (best !== own) steps.push(own, best);
+    if (best !== own) steps.add(own, best);
   }
 
   /** Neighbour n, if it is of a surface that lies deeper than the best one so far. */

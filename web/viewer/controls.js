@@ -78,7 +78,7 @@ export class Controls {
 
   press(event) {
     this.listener.touched();
-    this.surface.focus({ preventScroll: true });
+    this.surface.focus({ preventScroll: true, focusVisible: false });
     this.surface.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
   }

@@ -9,7 +9,7 @@ button:hover, button:focus-visible { background: rgba(0, 0, 0, .8) }
 [hidden] { display: none !important }
 .progress { position: absolute; left: 0; top: 0; height: 3px; width: 0; background: #6cf; transition: width .2s }
 .message { position: absolute; inset: 0; display: grid; place-content: center; padding: 2em; text-align: center; text-shadow: 0 0 6px #000 }
-.hint { position: absolute; left: 0; right: 0; bottom: 4em; text-align: center; pointer-events: none; text-shadow: 0 0 6px #000; transition: opacity 1s }
+.hint { position: absolute; left: 0; right: 0; bottom: 4em; padding: 0 1em; text-align: center; text-wrap: balance; pointer-events: none; text-shadow: 0 0 6px #000; transition: opacity 1s }
 .panel { position: absolute; right: .6em; bottom: 4em; max-width: min(30em, calc(100% - 3em)); max-height: calc(100% - 7em); overflow: auto; padding: .8em 1em; border-radius: .6em; background: rgba(0, 0, 0, .75) }
 .panel h2 { margin: 0 0 .4em; font-size: 1.1em }
 .panel dl { margin: .4em 0 0; display: grid; grid-template-columns: auto 1fr; gap: .2em .8em }

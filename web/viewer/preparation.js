@@ -1,4 +1,4 @@
-import { decodeImageInBrowser } from '../reader/browser_images.js';
+import { decodeImageInBrowser, ImagesAhead } from '../reader/browser_images.js';
 import { imageSize } from '../reader/image_size.js';
 import { LdpReader } from '../reader/ldp_reader.js';
 import { verdictOf } from '../reader/verdict.js';
@@ -16,7 +16,7 @@ const MOST_THUMBNAIL_PX = 480; // a side
  *   {opened: {head, layers, exposure, verdict, metadata}}  everything but the layers
  *   {progress: 0 .. 1}                            again and again
  *   {map}                                         where the front layer shows anything (surfaces/seen_map.js)
- *   {number, strip}                               a strip to draw; one that comes again takes the earlier one's place
+ *   {number, strip}                               a strip to draw; when it comes again, more cells and all of its torn quads
  *   {seen: true}                                  the strips so far make a picture
  *   {removed: number}                             a strip that is not to be drawn any more
  *   {done: true} or {failed: message}
@@ -36,10 +36,13 @@ export async function prepare(file, tell) {
                      verdict: verdictOf(reader.quality), metadata: Object.fromEntries(reader.metadata) } });
     const builder = new MeshBuilder(reader.head, reader.cameras);
     const steps = reader.layers.length + 1;
+    const ahead = new ImagesAhead();
+    ahead.begin(reader.imagesOf(0));
     for (let layer = 0; layer < reader.layers.length; layer++) {
       const onProgress = (share) => tell({ progress: (layer + share) / steps });
       const onDepths = (planes) => layer === 0 && tellWhatIsSeen(reader, planes, tell);
-      const planes = await reader.readLayer(layer, { decodeImage: decodeImageInBrowser, onProgress, onDepths });
+      const planes = await reader.readLayer(layer, { decodeImage: ahead.decodeImage, onProgress, onDepths });
+      if (layer + 1 < reader.layers.length) ahead.begin(reader.imagesOf(layer + 1));
       builder.addLayer(planes, reader.layers[layer].blockPx > 0);
       if (layer > 0) continue;
       tellStrips(builder, tell, () => {});

@@ -96,7 +96,7 @@ export class SurfaceRenderer {
     this.near = NEAR_SHARE * (head.radius > 0 ? head.radius : 1 / Math.max(head.wNear, 1e-6));
     this.directions = this.makeDirections();
     this.corners = { quads: 0, buffer: gl.createBuffer() };
-    /** by their number: a strip that comes again takes the earlier one's place */
+    /** by their number */
     this.strips = new Map();
   }
 
@@ -114,11 +114,17 @@ export class SurfaceRenderer {
 
   theta(x) { return this.head.thetaLeft - (x + 0.5) * this.head.thetaPitch; }
 
-  /** @param {number} number @param {import('../surfaces/mesh.js').MeshStrip} strip */
+  /**
+   * Of a strip that comes again cells are added and torn quads take the earlier ones' place.
+   * @param {number} number
+   * @param {import('../surfaces/mesh.js').MeshStrip} strip
+   */
   addStrip(number, strip) {
-    this.freeStrip(number);
     const { x0, x1, wMin, wMax, top, bottom } = strip;
-    this.strips.set(number, { x0, x1, wMin, wMax, top, bottom, cells: strip.cells.map((c) => this.uploadCells(c)),
+    const earlier = this.strips.get(number);
+    if (earlier) [earlier.opaque, earlier.soft].forEach((quads) => this.freePart(quads));
+    this.strips.set(number, { x0, x1, wMin, wMax, top, bottom,
+                              cells: [...(earlier?.cells ?? []), ...strip.cells.map((c) => this.uploadCells(c))],
                               opaque: this.uploadTorn(strip.opaque), soft: this.uploadTorn(strip.soft) });
   }
 
@@ -175,13 +181,16 @@ export class SurfaceRenderer {
   freeStrip(number) {
     const strip = this.strips.get(number);
     if (!strip) return;
-    for (const part of [...strip.cells, strip.opaque, strip.soft]) {
-      if (!part) continue;
-      this.gl.deleteVertexArray(part.array);
-      part.buffers.forEach((buffer) => this.gl.deleteBuffer(buffer));
-      if (part.colours) this.gl.deleteTexture(part.colours);
-    }
+    for (const part of [...strip.cells, strip.opaque, strip.soft]) this.freePart(part);
     this.strips.delete(number);
+  }
+
+  /** @param part null: nothing */
+  freePart(part) {
+    if (!part) return;
+    this.gl.deleteVertexArray(part.array);
+    part.buffers.forEach((buffer) => this.gl.deleteBuffer(buffer));
+    if (part.colours) this.gl.deleteTexture(part.colours);
   }
 
   /** @param {ViewCamera} camera */
