@@ -17,6 +17,7 @@ constexpr int kMostTold = 24;               // levels that one photograph may as
 constexpr int kFewestPhotos = 3;            // whose word counts
 constexpr double kDoubt = 2;                // times the variance of their mean
 constexpr double kOneSurfaceLabels = 0.25;  // by which depths rendered around a pixel may be off
+constexpr double kParallax = 0.2;           // of the cosine, by which rays seen may point less forward
 constexpr uint8_t kMostPhotos = 32;         // so that sums fit
 constexpr int kSubpixels = 16;              // and steps of a level that sums are kept in
 
@@ -70,18 +71,34 @@ BackProjection::BackProjection(const LayeredPanorama& panorama, const Job& job)
 
 void BackProjection::rendered(size_t camera, const Held& own, const Rendering& rendering, const Held*) {
   const PhotoProjection projection(panorama_.grid, panorama_.cameras[camera]);
-  parallel_for(job_, panorama_.grid.height, [&](int y) { add_row(own, rendering, projection, y); });
+  const std::vector<InView> columns = in_view(panorama_.cameras[camera], projection);
+  parallel_for(job_, panorama_.grid.height, [&](int y) { add_row(own, rendering, projection, columns, y); });
 }
 
-void BackProjection::add_row(const Held& own, const Rendering& rendering, const PhotoProjection& projection, int y) {
+// Those whose rays point nearly as far forward as one to a corner of the picture.
+std::vector<BackProjection::InView> BackProjection::in_view(const Camera& camera,
+                                                            const PhotoProjection& projection) const {
+  const Intrinsics& lens = camera.intrinsics;
+  const double width = lens.width / lens.fx, height = lens.height / lens.fx;
+  const double least = 1 / std::sqrt(1 + (width * width + height * height) / 4) - kParallax;
+  std::vector<InView> columns;
+  for (int x = 0; x < panorama_.grid.width; ++x) {
+    const PhotoProjection::Column direction = projection.column(headings_[static_cast<size_t>(x)]);
+    if (direction[2] > least) columns.push_back({x, direction});
+  }
+  return columns;
+}
+
+void BackProjection::add_row(const Held& own, const Rendering& rendering, const PhotoProjection& projection,
+                             const std::vector<InView>& columns, int y) {
   const PanoramaGrid& grid = panorama_.grid;
   const Layer& front = panorama_.layers.front();
-  const double tolerance = kOneSurfaceLabels * (grid.w_near - grid.w_far) / (kLabels - 1);
-  for (int x = 0; x < grid.width; ++x) {
-    Differences& pixel = differences_.at(x, y);
-    if (front.coverage.at(x, y) == 0 || pixel.photos == kMostPhotos) continue;
-    const double w = grid.inverse_depth(front.depth.disparity(x, y));
-    const Eigen::Vector3d in_camera = projection.in_camera_axes(headings_[static_cast<size_t>(x)], grid.v(y + 0.5), w);
+  const double tolerance = kOneSurfaceLabels * (grid.w_near - grid.w_far) / (kLabels - 1), v = grid.v(y + 0.5);
+  for (const InView& column : columns) {
+    Differences& pixel = differences_.at(column.x, y);
+    if (front.coverage.at(column.x, y) == 0 || pixel.photos == kMostPhotos) continue;
+    const double w = grid.inverse_depth(front.depth.disparity(column.x, y));
+    const Eigen::Vector3d in_camera = projection.in_camera_axes(column.direction, v, w);
     const auto place = place_of(*own.camera, in_camera, w);
     if (!place) continue;
     const auto told = difference_at(own, rendering, *place, tolerance / in_camera.z());

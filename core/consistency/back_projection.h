@@ -35,8 +35,13 @@ class BackProjection : public consistency::Observer {
     uint16_t squares = 0;          // of all channels [level^2]
     uint8_t photos = 0;
   };
+  struct InView {  // a column of the panorama that a camera may see
+    int x = 0;
+    PhotoProjection::Column direction;
+  };
+  std::vector<InView> in_view(const Camera& camera, const PhotoProjection& projection) const;
   void add_row(const consistency::Held& own, const consistency::Rendering& rendering, const PhotoProjection& projection,
-               int y);
+               const std::vector<InView>& columns, int y);
 
   const LayeredPanorama& panorama_;
   const Job& job_;

@@ -111,12 +111,17 @@ class PhotoProjection {
                   Rounding::snapped};
   }
 
+  using Column = std::array<double, 3>;  // u(theta) in the camera's axes
+
+  Column column(Heading u) const { return {axes_[0].of(u), axes_[1].of(u), axes_[2].of(u)}; }
+
   // The voxel in camera axes, times w: a direction at infinity.
-  Eigen::Vector3d in_camera_axes(Heading u, double v, double w) const {
+  Eigen::Vector3d in_camera_axes(const Column& u, double v, double w) const {
     const double reach = ray_radius_ * w + 1;
-    const auto along = [&](const CameraAxis& axis) { return axis.along(axis.of(u), reach, v, w); };
-    return {along(axes_[0]), along(axes_[1]), along(axes_[2])};
+    const auto along = [&](size_t i) { return axes_[i].along(u[i], reach, v, w); };
+    return {along(0), along(1), along(2)};
   }
+  Eigen::Vector3d in_camera_axes(Heading u, double v, double w) const { return in_camera_axes(column(u), v, w); }
 
  private:
   double ray_radius_;
