@@ -37,25 +37,22 @@ std::optional<Place> place_of(const Camera& camera, const Eigen::Vector3d& in_ca
   return Place{x / kSubpixels, y / kSubpixels, x % kSubpixels, y % kSubpixels, w / in_camera.z()};
 }
 
-// [1/kSubpixels level]; none where another surface or thing shows.
-std::optional<std::array<int, 3>> difference_at(const Held& own, const Rendering& rendering, const Place& place,
-                                                double tolerance) {
-  std::array<int, 3> sum{};
+int grey(Rgb c) { return (77 * c.r + 150 * c.g + 29 * c.b + 128) >> 8; }
+
+// In grey [1/kSubpixels level]; none where another surface or thing shows.
+std::optional<int> difference_at(const Held& own, const Rendering& rendering, const Place& place, double tolerance) {
+  int sum = 0;
   for (const int j : {0, 1})
     for (const int i : {0, 1}) {
       const int x = place.x + i, y = place.y + j;
       const float depth = own.depth.at(x, y);
       if (depth == 0 || std::abs(1.0 / static_cast<double>(depth) - place.inverse_z) > tolerance) return {};
-      const Rgb a = own.photo.at(x, y), b = rendering.colour.at(x, y);
+      const int difference = grey(own.photo.at(x, y)) - grey(rendering.colour.at(x, y));
+      if (std::abs(difference) > kMostDiffers) return {};
       const int weight = (i ? place.right : kSubpixels - place.right) * (j ? place.down : kSubpixels - place.down);
-      const std::array<int, 3> difference{a.r - b.r, a.g - b.g, a.b - b.b};
-      for (size_t k = 0; k < 3; ++k) {
-        if (std::abs(difference[k]) > kMostDiffers) return {};
-        sum[k] += weight * std::clamp(difference[k], -kMostTold, kMostTold);
-      }
+      sum += weight * std::clamp(difference, -kMostTold, kMostTold);
     }
-  for (int& channel : sum) channel /= kSubpixels;
-  return sum;
+  return sum / kSubpixels;
 }
 
 uint8_t moved(uint8_t level, double by) {
@@ -103,12 +100,8 @@ void BackProjection::add_row(const Held& own, const Rendering& rendering, const 
     if (!place) continue;
     const auto told = difference_at(own, rendering, *place, tolerance / in_camera.z());
     if (!told) continue;
-    int squares = 0;
-    for (size_t k = 0; k < 3; ++k) {
-      pixel.sum[k] = static_cast<int16_t>(pixel.sum[k] + (*told)[k]);
-      squares += (*told)[k] * (*told)[k];
-    }
-    pixel.squares = static_cast<uint16_t>(pixel.squares + squares / (kSubpixels * kSubpixels));
+    pixel.sum = static_cast<int16_t>(pixel.sum + *told);
+    pixel.squares = static_cast<uint16_t>(pixel.squares + *told * *told / (kSubpixels * kSubpixels));
     ++pixel.photos;
   }
 }
@@ -119,13 +112,12 @@ void BackProjection::correct(Layer& front) const {
     for (int x = 0; x < front.coverage.width; ++x) {
       const Differences& pixel = differences_.at(x, y);
       if (pixel.photos < kFewestPhotos) continue;
-      const auto mean = [&](size_t channel) { return pixel.sum[channel] / (1.0 * kSubpixels * pixel.photos); };
-      const double square = mean(0) * mean(0) + mean(1) * mean(1) + mean(2) * mean(2);
+      const double mean = pixel.sum / (1.0 * kSubpixels * pixel.photos), square = mean * mean;
       if (square == 0) continue;
       const double variance = std::max(0.0, pixel.squares / (1.0 * pixel.photos) - square);
-      const double share = square / (square + kDoubt * variance / pixel.photos);
+      const double by = mean * square / (square + kDoubt * variance / pixel.photos);
       Rgb& colour = front.colour.at(x, y);
-      colour = {moved(colour.r, share * mean(0)), moved(colour.g, share * mean(1)), moved(colour.b, share * mean(2))};
+      colour = {moved(colour.r, by), moved(colour.g, by), moved(colour.b, by)};
     }
   });
 }

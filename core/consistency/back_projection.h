@@ -5,7 +5,6 @@
 // Takes what an observer of `hold_against` is shown, so that no photograph is rendered again; depths and coverage stay.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -19,7 +18,7 @@ namespace ldp {
 
 class BackProjection : public consistency::Observer {
  public:
-  // Of the panorama that is held against its photographs. Refers to both; takes 10 bytes for each pixel of the grid.
+  // Of the panorama that is held against its photographs. Refers to both; takes 6 bytes for each pixel of the grid.
   BackProjection(const LayeredPanorama& panorama, const Job& job);
 
   void taken(size_t, const RgbImage&) override {}
@@ -30,9 +29,9 @@ class BackProjection : public consistency::Observer {
   void correct(Layer& front) const;
 
  private:
-  struct Differences {             // of photographs from their renderings, at one pixel
-    std::array<int16_t, 3> sum{};  // [1/16 level]
-    uint16_t squares = 0;          // of all channels [level^2]
+  struct Differences {     // of photographs from their renderings, in grey, at one pixel
+    int16_t sum = 0;       // [1/16 level]
+    uint16_t squares = 0;  // [level^2]
     uint8_t photos = 0;
   };
   struct InView {  // a column of the panorama that a camera may see
