@@ -8,6 +8,7 @@
 namespace ldp {
 namespace {
 
+using consistency::grey;
 using consistency::Held;
 using consistency::Rendering;
 
@@ -36,8 +37,6 @@ std::optional<Place> place_of(const Camera& camera, const Eigen::Vector3d& in_ca
   const auto x = static_cast<int>((p.x() - 0.5) * kSubpixels), y = static_cast<int>((p.y() - 0.5) * kSubpixels);
   return Place{x / kSubpixels, y / kSubpixels, x % kSubpixels, y % kSubpixels, w / in_camera.z()};
 }
-
-int grey(Rgb c) { return (77 * c.r + 150 * c.g + 29 * c.b + 128) >> 8; }
 
 // In grey [1/kSubpixels level]; none where another surface or thing shows.
 std::optional<int> difference_at(const Held& own, const Rendering& rendering, const Place& place, double tolerance) {

@@ -17,8 +17,6 @@ constexpr double kSamePlace = 0.15;  // share of its inverse depth by which a su
 constexpr double kBehind = 1e-6;
 constexpr std::array<std::array<int, 2>, 5> kPatch = {{{0, 0}, {-1, -1}, {1, 1}, {1, -1}, {-1, 1}}};
 
-int grey(Rgb c) { return (77 * c.r + 150 * c.g + 29 * c.b) >> 8; }
-
 std::array<int, 3> channels(Rgb c) { return {c.r, c.g, c.b}; }
 
 // The range of each channel over the pixel and its neighbours.

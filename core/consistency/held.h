@@ -8,6 +8,8 @@
 
 namespace ldp::consistency {
 
+inline int grey(Rgb c) { return (77 * c.r + 150 * c.g + 29 * c.b) >> 8; }
+
 // A photograph at even exposure, and the panorama's z-depth as its camera sees it (0 = hole, infinity).
 struct Held {
   const Camera* camera = nullptr;

@@ -13,6 +13,7 @@ namespace ldp {
 namespace {
 
 using consistency::Classifier;
+using consistency::grey;
 using consistency::Held;
 using consistency::kCellPx;
 using consistency::Rendering;
@@ -47,8 +48,6 @@ class Directions {
   std::vector<DirectionResiduals> report_;
   std::vector<SineCosine> middles_;
 };
-
-int grey(Rgb c) { return (77 * c.r + 150 * c.g + 29 * c.b) >> 8; }
 
 // By which shift the rendering comes closest to the photograph where they agree (one step of Lucas and Kanade, 1981),
 // and how much steeper one of them is.
