@@ -12,8 +12,9 @@ constexpr size_t kUprightPixel = 4;                        // grey, tint and vis
 constexpr size_t kDisparity = 2, kSolvedPixel = 12;        // of each layer; of the layer that is being found
 constexpr size_t kColouredLayerPixel = 10, kSeams = 11;    // everything of each layer; where photos meet
 constexpr size_t kOpenPhotoPixel = 18;                     // of the other six photos that colours are read from
-// Of each layer held against the photographs; of its part of a mesh, and of one layer more; of three photos in memory.
-constexpr size_t kHeldLayerPixel = 5, kMeshPixel = 6, kComparedPhotoPixel = 18;
+// Of each layer held against the photographs; of its part of a mesh, and of one layer more; of three photos in memory;
+// of the photos' differences from the front layer.
+constexpr size_t kHeldLayerPixel = 5, kMeshPixel = 6, kComparedPhotoPixel = 18, kDifferences = 6;
 constexpr size_t kHeldPixel = 8, kArraysInWork = 8'000'000;  // beside a scratch space: what is no array of samples;
                                                              // what is touched before it is let go again
 
@@ -30,7 +31,7 @@ ExpectedMemory expected_memory(const PanoramaGrid& grid, int columns_of_colour, 
   const size_t colouring =
       kColouredLayerPixel * count * stored_px + std::max(kSeams * stored_px, kOpenPhotoPixel * photo_px);
   const size_t comparing =
-      (kHeldLayerPixel * count + kMeshPixel * (count + 1)) * stored_px + kComparedPhotoPixel * photo_px;
+      (kHeldLayerPixel * count + kMeshPixel * (count + 1) + kDifferences) * stored_px + kComparedPhotoPixel * photo_px;
   const size_t all = always + std::max({solving, colouring, comparing});
   return {all, std::min(all, always + strip + kHeldPixel * stored_px + kArraysInWork)};
 }
