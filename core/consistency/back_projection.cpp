@@ -13,7 +13,7 @@ using consistency::Held;
 using consistency::Rendering;
 
 // Figures: decisions.md.
-constexpr int kMostDiffers = 64;            // levels of a channel; what differs more is another thing
+constexpr int kMostDiffers = 64;            // grey levels; what differs more is another thing
 constexpr int kMostTold = 24;               // levels that one photograph may ask for
 constexpr int kFewestPhotos = 3;            // whose word counts
 constexpr double kDoubt = 2;                // times the variance of their mean
@@ -22,7 +22,7 @@ constexpr double kParallax = 0.2;           // of the cosine, by which rays seen
 constexpr uint8_t kMostPhotos = 32;         // so that sums fit
 constexpr int kSubpixels = 16;              // and steps of a level that sums are kept in
 
-// Where a pixel of a layer falls in a photograph: among four pixels, from (x, y).
+// Where a pixel of the front layer falls in a photograph: among four pixels, from (x, y).
 struct Place {
   int x = 0, y = 0;
   int right = 0, down = 0;  // of kSubpixels
