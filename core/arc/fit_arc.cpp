@@ -11,14 +11,13 @@
 #include "core/arc/fit_circle.h"
 #include "core/base/exact_math.h"
 #include "core/base/job.h"
+#include "core/geometry/degrees.h"
 
 namespace ldp {
 
 using namespace arcs;
 
 namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
 
 double spread(const std::vector<Camera>& cameras, const Eigen::Vector3d& mean) {
   double sum = 0;

@@ -8,14 +8,13 @@
 #include "core/arc/arc.h"
 #include "core/arc/arc_tuning.h"
 #include "core/base/exact_math.h"
+#include "core/geometry/degrees.h"
 
 namespace ldp {
 
 using namespace arcs;
 
 namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
 
 struct InverseDepths {
   double far = 0, near = 0;

@@ -5,6 +5,7 @@
 
 namespace ldp {
 
+constexpr double kTurn = 2 * std::numbers::pi;  // rad
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi, kRadiansPerDegree = std::numbers::pi / 180;
 
 }  // namespace ldp

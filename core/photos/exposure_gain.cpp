@@ -14,7 +14,6 @@ using namespace exposure;
 namespace {
 
 constexpr int kOne = 4096;
-constexpr double kWhite = 255;
 
 double brightened(double level, double gain) {
   constexpr double kWidth = kWhite - kBrightShoulder;

@@ -9,8 +9,6 @@ namespace ldp::solve {
 
 namespace {
 
-size_t at(int i) { return static_cast<size_t>(i); }
-
 bool share_rows(const Interval& rows, const Window& window) {
   return rows.begin < window.y + window.height && window.y < rows.begin + rows.size;
 }

@@ -11,7 +11,7 @@ namespace ldp::sweep {
 namespace {
 
 constexpr int kReach = kernels::kSmoothReach;
-constexpr int kRowsAtOnce = 16, kColumnsAtOnce = 64;
+constexpr int kStripRows = 16, kStripColumns = 64;
 
 constexpr std::array<uint8_t, kernels::kSmoothWeights> kWeights = [] {
   std::array<uint8_t, kernels::kSmoothWeights> weights{};
@@ -63,14 +63,14 @@ class Rows {
 DisparityMap smooth(const DisparityMap& disparity, const Plane<uint8_t>& guide, bool wraps, const Job& job) {
   DisparityMap out = disparity;
   const int width = disparity.width, height = disparity.height;
-  parallel_for(job, (height + kRowsAtOnce - 1) / kRowsAtOnce, [&](int strip) {
-    const int first = strip * kRowsAtOnce, last = std::min(height, first + kRowsAtOnce);
+  parallel_for(job, (height + kStripRows - 1) / kStripRows, [&](int strip) {
+    const int first = strip * kStripRows, last = std::min(height, first + kStripRows);
     const Rows rows(disparity, guide, wraps, std::max(0, first - kReach), std::min(height, last + kReach));
     std::vector<uint16_t> smoothed(static_cast<size_t>(width + kernels::kPadding));
     for (int y = first; y < last; ++y) {
       const int top = std::max(0, y - kReach), bottom = std::min(height, y + kReach + 1);
-      for (int x = 0; x < width; x += kColumnsAtOnce) {
-        const int count = std::min(kColumnsAtOnce, width - x);
+      for (int x = 0; x < width; x += kStripColumns) {
+        const int count = std::min(kStripColumns, width - x);
         std::array<kernels::SmoothRow, 2 * kReach + 1> window;
         for (int i = top; i < bottom; ++i) window[static_cast<size_t>(i - top)] = rows.at(i, x);
         kernels::best().smooth_row(window.data(), bottom - top, y - top, kWeights.data(), count, smoothed.data());

@@ -9,7 +9,7 @@
 namespace ldp {
 namespace {
 
-constexpr double kEvenGrey = 118;    // mean grey of a well exposed photograph
+constexpr double kNoiseGrey = 118;   // noise is told at it: mean grey of a well exposed photograph
 constexpr double kRounding = 0.5;    // levels of noise that rounding hides
 constexpr double kLeastSeen = 0.02;  // share of a photograph's pixels from which a direction is judged
 
@@ -158,7 +158,7 @@ class Judge {
   double dark_noise() const {
     std::vector<double> noise;
     for (const PhotoEvidence& photo : evidence_.photos)
-      noise.push_back((photo.measures.noise + kRounding) * kEvenGrey / std::max(1.0, photo.measures.brightness));
+      noise.push_back((photo.measures.noise + kRounding) * kNoiseGrey / std::max(1.0, photo.measures.brightness));
     const auto at = noise.begin() + static_cast<std::ptrdiff_t>(noise.size() / 4);
     std::nth_element(noise.begin(), at, noise.end());
     return *at;

@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "core/geometry/degrees.h"
+
 namespace ldp {
 namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
 
 void check(const CameraPathOptions& options) {
   const auto within = [](const char* field, double value, double low, double high) {

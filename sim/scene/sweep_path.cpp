@@ -6,6 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "core/geometry/degrees.h"
 #include "sim/scene/random.h"
 
 namespace ldp {
@@ -13,8 +14,6 @@ namespace {
 
 using Eigen::AngleAxisd;
 using Eigen::Vector3d;
-
-constexpr double kPi = std::numbers::pi;
 
 std::string numbered(int index) {
   char name[24];
@@ -42,10 +41,10 @@ Pose outward_pose(const Vector3d& centre, double theta) {
   return pose;
 }
 
-bool closed(const SweepPath& path) { return path.arc_rad > 2 * kPi - 1e-6; }
+bool closed(const SweepPath& path) { return path.arc_rad > kTurn - 1e-6; }
 
 // Angle at a share of the sweep, 0 .. 1.
-double theta_at(const SweepPath& path, double share) { return 0.5 * kPi + path.arc_rad * (0.5 - share); }
+double theta_at(const SweepPath& path, double share) { return 0.5 * std::numbers::pi + path.arc_rad * (0.5 - share); }
 
 Vector3d on_circle(const SweepPath& path, double theta, double radius) {
   return {radius * std::cos(theta), radius * std::sin(theta), path.eye_height};
@@ -83,7 +82,7 @@ std::vector<Camera> novel_cameras(const SweepPath& path) {
   for (const NovelView& view : kViews) {
     const double theta = theta_at(path, view.share);
     const Vector3d centre = on_circle(path, theta, view.radius_factor * path.radius) + Vector3d(0, 0, view.raise_m);
-    const Pose pose = outward_pose(centre, theta + view.turn_deg * kPi / 180);
+    const Pose pose = outward_pose(centre, theta + view.turn_deg * std::numbers::pi / 180);
     cameras.push_back({numbered(static_cast<int>(cameras.size())), intrinsics_of(path), pose});
   }
   return cameras;

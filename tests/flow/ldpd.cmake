@@ -17,7 +17,7 @@ if(LDP_DRIVERS)
     add_test(NAME Soak.ItsVerdictOnSeriesWhoseTruthIsKnown
       COMMAND ${LDP_PLAIN_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/soak_test.py ${PROJECT_SOURCE_DIR}/toolchain/soak)
     set_tests_properties(FaultMatrix.EveryFaultOfEveryCallOnce PowerCut.NothingThatWasReportedIsLostAtAnyStep
-      Soak.TwoHundredCaptures PROPERTIES TIMEOUT ${LDP_LONG_TEST_SECONDS})
+      Soak.TwoHundredCaptures PROPERTIES TIMEOUT ${LDP_LONG_TEST_SECONDS} COST 60)  # long ones first
   endif()
 endif()
 if(LDP_DRIVERS)

@@ -1,1 +1,1 @@
-ldp_test(scene_test SOURCES scene_test.cpp shapes_test.cpp USES ldp_sim_capture ldp_sim_scene)
+ldp_test(scene_test SOURCES scene_test.cpp shapes_test.cpp NATIVE_ONLY Surround.EyesSeeAnEdgeApartByTheirDistance USES ldp_sim_capture ldp_sim_scene)

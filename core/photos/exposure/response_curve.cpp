@@ -6,11 +6,6 @@
 #include "core/photos/exposure_tuning.h"
 
 namespace ldp {
-namespace {
-
-constexpr double kWhite = 255;
-
-}  // namespace
 
 double ResponseCurve::light_of(double level) const {
   const double at = level / kLevelsPerKnot;
@@ -27,7 +22,7 @@ double ResponseCurve::level_of(double of) const {
 
 std::array<int, 3> with_light(const std::array<int, 3>& colour, int units, const std::array<double, 3>& factor,
                               const ResponseCurve& response) {
-  using exposure::kDarkShoulder;
+  using exposure::kDarkShoulder, exposure::kWhite;
   const double largest = std::max({colour[0], colour[1], colour[2]}) / static_cast<double>(units);
   const double t = std::max(0.0, (largest - kDarkShoulder) / (kWhite - kDarkShoulder));
   std::array<int, 3> result{};

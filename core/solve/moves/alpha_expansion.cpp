@@ -6,8 +6,6 @@ namespace ldp::solve {
 
 namespace {
 
-size_t at(int p) { return static_cast<size_t>(p); }
-
 // Blocks and their 8 neighbours; bit 8 x + y.
 uint64_t dilated(uint64_t blocks) {
   constexpr uint64_t kNotTop = 0xFEFEFEFEFEFEFEFE, kNotBottom = 0x7F7F7F7F7F7F7F7F;

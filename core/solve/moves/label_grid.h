@@ -21,6 +21,7 @@ constexpr uint16_t kForbidden = 8000;  // cost of a slot that must not be taken
 enum Direction : uint8_t { kUp = 0, kDown = 1, kLeft = 2, kRight = 3 };
 
 // Pixels are stored by columns: p = x * height + y.
+inline size_t at(int p) { return static_cast<size_t>(p); }
 
 // What a problem says about each pixel by itself.
 struct PixelTerms {

@@ -7,8 +7,6 @@ namespace ldp::solve {
 
 namespace {
 
-size_t at(int i) { return static_cast<size_t>(i); }
-
 struct GreyRange {
   int least = 255, largest = 0;
 

@@ -12,8 +12,6 @@
 namespace ldp::gallery {
 namespace {
 
-constexpr int64_t kMillisecond_ns = 1'000'000;
-
 bool await(int fd, short what, int64_t wait_ms) {
   pollfd entry{fd, what, 0};
   int ready = -1;

@@ -18,8 +18,6 @@
 namespace ldp::gallery {
 namespace {
 
-constexpr int64_t kMillisecond_ns = 1'000'000;
-
 [[noreturn]] void fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
 
 bool is_one_of(std::initializer_list<int> known, int error) {

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace ldp::gallery {
+
+constexpr int64_t kMillisecond_ns = 1'000'000;
 
 constexpr int kServers = 16;           // requests answered at a time; 8 .. 64
 constexpr size_t kMostWaiting = 1024;  // connections that wait for a request, or to be served; more are closed

@@ -12,7 +12,7 @@
 namespace ldp {
 namespace {
 
-constexpr int kStopCheck_ms = 50;
+constexpr int kCheckEvery_ms = 50;
 
 class Lines {
  public:
@@ -32,7 +32,7 @@ class Lines {
   void read_more(const Job& job) {
     job.check();
     pollfd entry{fd_, POLLIN, 0};
-    if (::poll(&entry, 1, kStopCheck_ms) <= 0) return;
+    if (::poll(&entry, 1, kCheckEvery_ms) <= 0) return;
     char buffer[4096];
     const ssize_t got = ::read(fd_, buffer, sizeof buffer);
     if (got > 0) text_.append(buffer, static_cast<size_t>(got));

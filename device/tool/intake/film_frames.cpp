@@ -70,10 +70,10 @@ class FilmPictures {
  private:
   [[noreturn]] void refuse() {
     ffmpeg_.end();
-    const std::string said = ffmpeg_.first_line_said();
+    const std::string words = ffmpeg_.first_line_said();
     throw BadInput(film_.string() +
                    ": neither a folder of photos, a photo, a .zip archive nor a film that ffmpeg reads" +
-                   (said.empty() ? "" : " (" + said + ")") + ": check the name");
+                   (words.empty() ? "" : " (" + words + ")") + ": check the name");
   }
 
   // Of the header "P6\nWIDTH HEIGHT\n255\n"; none at the end of the film.
