@@ -256,7 +256,7 @@ size_t triangle_count(const LayeredPanorama& panorama, const SurfacePart& whole,
 // The finest mesh that is not too much for its readers: silhouettes as fine as any flatness allows, then surfaces as
 // near to the depths as silhouettes allow.
 SurfacePart part_that_fits(const LayeredPanorama& panorama, const Job& job) {
-  constexpr size_t kMostTriangles = 840'000;
+  constexpr size_t kMostTriangles = 800'000;
   constexpr int kCoarsest = 8;
   const auto fits = [&](const SurfacePart& part) { return triangle_count(panorama, part, job) <= kMostTriangles; };
   SurfacePart part{0, panorama.grid.width, 1, kTolerances.back()};

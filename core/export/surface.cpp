@@ -24,10 +24,12 @@ class SurfaceMaker {
         step_(part.step),
         tolerance_(part.tolerance),
         connected_(view::joined_in_views(panorama.grid)),
+        connected_alike_(view::joined_in_views(panorama.grid, view::kAlikeParallaxPx)),
         width_(panorama.grid.width),
         height_(panorama.grid.height),
         wraps_(panorama.grid.wraps) {
-    connected_.slack = std::max<double>(connected_.slack, kSurfaceSlope * step_);
+    for (SurfaceTolerance<double>* tolerance : {&connected_, &connected_alike_})
+      tolerance->slack = std::max<double>(tolerance->slack, kSurfaceSlope * step_);
   }
 
   Surface run(int begin, int end, const Job& job) {
@@ -44,6 +46,7 @@ class SurfaceMaker {
     int x, y;
     bool present;
     int disparity, resolution;
+    Rgb colour;
   };
 
   int column(int x) const { return x >= width_ ? x - width_ : x; }
@@ -58,13 +61,14 @@ class SurfaceMaker {
   }
 
   bool joined(const Corner& a, const Corner& b) const {
+    const SurfaceTolerance<double>& tolerance = view::look_alike(a.colour, b.colour) ? connected_alike_ : connected_;
     return a.present && b.present &&
-           connected_.same_surface(a.disparity, b.disparity, std::max(a.resolution, b.resolution));
+           tolerance.same_surface(a.disparity, b.disparity, std::max(a.resolution, b.resolution));
   }
 
   Corner corner(int x, int y) const {
-    if (!present(x, y)) return {x, y, false, 0, 0};
-    return {x, y, true, disparity(x, y), resolution(x, y)};
+    if (!present(x, y)) return {x, y, false, 0, 0, {}};
+    return {x, y, true, disparity(x, y), resolution(x, y), layer_.colour.at(column(x), y)};
   }
 
   void split(int x, int y, int size, int last) {
@@ -167,7 +171,7 @@ class SurfaceMaker {
 
   const Layer& layer_;
   int step_, tolerance_;
-  SurfaceTolerance<double> connected_;  // in steps of disparity
+  SurfaceTolerance<double> connected_, connected_alike_;  // in steps of disparity
   int width_, height_;
   bool wraps_;
   Surface surface_;

@@ -8,6 +8,10 @@ namespace ldp::view {
 // (0.5 .. 12).
 constexpr float kSlant = 0.02F;
 constexpr double kParallaxPx = 6;
+// Pixels that look alike, all channels within so many levels (0 .. 32), are torn from so much parallax on (1 .. 4 times
+// the above): what shows through a tear differs from both its sides, and a sheet over it does not.
+constexpr int kAlikeLevels = 8;
+constexpr double kAlikeParallaxPx = 24;
 
 // Smoothing of codes (code_smoother.h).
 constexpr float kFineShare = 0.1F;  // of a surface's parallax, below which steps do not show; 0 .. 1

@@ -146,7 +146,8 @@ TEST(ExportSurface, TearsBetweenNearAndFar) {
       EXPECT_EQ(surface.vertices[surface.triangles[i]].disparity, surface.vertices[surface.triangles[i + k]].disparity);
 }
 
-// Half a radius of the eye's way opens a step of so many pixels of parallax by half as many; up to 6 it is a slope.
+// Half a radius of the eye's way opens a step of so many pixels of parallax by half as many; up to 6 it is a slope, and
+// up to 24 between pixels that look alike.
 TEST(ExportSurface, TearsWhereViewsDo) {
   LayeredPanorama panorama = plane_panorama(40, 40, 0);
   const PanoramaGrid& grid = panorama.grid;
@@ -164,8 +165,16 @@ TEST(ExportSurface, TearsWhereViewsDo) {
                                surface.vertices[surface.triangles[i + k]].disparity));
     return across.size();
   };
+  const auto paint_right = [&](uint8_t level) {
+    for (int y = 0; y < 40; ++y)
+      for (int x = 0; x < 40; ++x) panorama.layers[0].colour.at(x, y) = x < 24 ? Rgb{100, 90, 80} : Rgb{100, 90, level};
+  };
+  paint_right(90);
   EXPECT_EQ(steps_across(4), 2U) << "one surface";
   EXPECT_EQ(steps_across(12), 1U) << "two";
+  paint_right(88);
+  EXPECT_EQ(steps_across(12), 2U) << "nothing that one sees: they look alike";
+  EXPECT_EQ(steps_across(32), 1U) << "two, however alike";
 }
 
 TEST(ExportGlb, IsAWellFormedContainer) {

@@ -296,6 +296,25 @@ TEST(Render, a_step_aside_opens_no_cracks_and_a_longer_one_shows_a_hole) {
   }
 }
 
+// A wall that steps back by `step_px` of parallax over one arc radius, in colours `levels` apart, seen from so far
+// aside that no underlay fills the gap.
+int holes_in_a_stepped_wall(double step_px, int levels) {
+  const PanoramaGrid grid = make_grid(Rays::central, false);
+  const double near_w = 0.05 + step_px * grid.v_pitch / grid.arc.radius;
+  const LayeredPanorama panorama = one_layer(
+      grid, [&](double theta, double) { return theta < 0 ? near_w : 0.05; },
+      [&](double theta, double) {
+        return theta < 0 ? Rgb{90, 20, 20} : Rgb{static_cast<uint8_t>(90 + levels), 20, 20};
+      });
+  return holes(Renderer(panorama).render(make_camera(grid, 0, {0, 3 * grid.arc.radius, 0}), {}));
+}
+
+TEST(Render, tears_what_looks_alike_from_more_parallax_on) {
+  EXPECT_GT(holes_in_a_stepped_wall(14, 20), 90 * 3);
+  EXPECT_EQ(holes_in_a_stepped_wall(14, 0), 0);
+  EXPECT_GT(holes_in_a_stepped_wall(32, 0), 90 * 3);
+}
+
 TEST(Render, fills_holes_with_the_background_and_says_how_much_it_invented) {
   const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
   const LayeredPanorama panorama = square_before_background(grid);

@@ -6,6 +6,10 @@ export const ABSENT = -1;
 // over one arc radius.
 const SLANT = 0.02;
 const PARALLAX_PX = 6;
+// Pixels that look alike, all channels within so many levels, are torn from so much parallax on: what shows through a
+// tear differs from both its sides, and a sheet over it does not.
+const ALIKE_LEVELS = 8;
+const ALIKE_PARALLAX_PX = 24;
 
 /**
  * Inverse depths of codes, and which pixels belong to one surface (core/view/mesh has the same rule).
@@ -19,14 +23,24 @@ export class CodedDepths {
     /** inverse depth between neighbouring codes of a range so wide */
     this.steps = Float32Array.from({ length: 256 }, (_, step) => (span * step) / DISPARITY_STEPS);
     this.parallax = (PARALLAX_PX * head.vPitch) / (head.radius > 0 ? head.radius : 1);
+    this.alikeParallax = (ALIKE_PARALLAX_PX * head.vPitch) / (head.radius > 0 ? head.radius : 1);
   }
 
   /** Whether present pixels of inverse depths a and b, as coded, are of one surface. */
-  connected(a, aStep, b, bStep) {
+  connected(a, aStep, b, bStep, parallax = this.parallax) {
     const apart = a > b ? a - b : b - a;
-    return apart <= 0.51 * (aStep + bStep) + SLANT * (a > b ? a : b) + this.parallax;
+    return apart <= 0.51 * (aStep + bStep) + SLANT * (a > b ? a : b) + parallax;
   }
+
+  /** What a surface may change by between pixels of these colours before views tear it. */
+  parallaxOf(colour, other) { return lookAlike(colour, other) ? this.alikeParallax : this.parallax; }
 }
+
+function lookAlike(a, b) {
+  return isNear(a & 255, b & 255) && isNear((a >>> 8) & 255, (b >>> 8) & 255) && isNear((a >>> 16) & 255, (b >>> 16) & 255);
+}
+
+function isNear(a, b) { return a - b <= ALIKE_LEVELS && b - a <= ALIKE_LEVELS; }
 
 /**
  * A layer made ready for its mesh: planes of columns x rows, row by row. In a panorama that wraps the last column is the
@@ -74,9 +88,15 @@ export function prepareLayer(head, depths, planes) {
  * Whether pixels i and j of a layer, both present, are of one surface. Smoothing moves each by no more than half its
  * step, so that most are told by what they are now.
  */
-export function sameSurface(layer, depths, i, j) {
+export function sameSurface(layer, depths, i, j, parallax = depths.parallax) {
   const apart = layer.w[i] - layer.w[j];
-  if (apart <= depths.parallax && -apart <= depths.parallax) return true;
+  if (apart <= parallax && -apart <= parallax) return true;
   return depths.connected(depths.w[layer.code[i]], depths.steps[layer.step[i]], depths.w[layer.code[j]],
-                          depths.steps[layer.step[j]]);
+                          depths.steps[layer.step[j]], parallax);
+}
+
+/** Whether views join pixels i and j of a layer, both present. */
+export function joinedInViews(layer, depths, i, j) {
+  if (sameSurface(layer, depths, i, j, depths.parallax)) return true;
+  return lookAlike(layer.colour[i], layer.colour[j]) && sameSurface(layer, depths, i, j, depths.alikeParallax);
 }

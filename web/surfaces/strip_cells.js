@@ -1,4 +1,4 @@
-import { ABSENT, sameSurface } from './prepared_layer.js';
+import { ABSENT, joinedInViews } from './prepared_layer.js';
 
 const LARGEST_CELL = 16; // quads a side: over more the cylinder's curvature would show
 const FLATNESS_PX = 0.4; // parallax over one arc radius by which a cell may leave its pixels
@@ -55,7 +55,7 @@ export class StripCells {
     return ofCorner(a, b, c, d) > 0 && ofCorner(b, a, c, d) > 0 && ofCorner(c, a, b, d) > 0 && ofCorner(d, a, b, c) > 0;
   }
 
-  joins(i, j) { return sameSurface(this.layer, this.depths, i, j) ? 1 : 0; }
+  joins(i, j) { return joinedInViews(this.layer, this.depths, i, j) ? 1 : 0; }
 
   /** @param {CellScratch} scratch @returns {Cells|null} null if no quad is solid */
   merge(scratch) {

@@ -1,4 +1,4 @@
-import { ABSENT, sameSurface } from './prepared_layer.js';
+import { ABSENT, joinedInViews } from './prepared_layer.js';
 import { TORN_VERTEX_BYTES } from './torn_vertex.js';
 
 /** Words of a quad: corners (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1). */
@@ -62,7 +62,7 @@ export class TornQuads {
     for (let join = 0; join < JOINS.length; join += 2) {
       const a = surface[JOINS[join]];
       const b = surface[JOINS[join + 1]];
-      if (a < 0 || b < 0 || a === b || !sameSurface(layer, this.depths, at[JOINS[join]], at[JOINS[join + 1]])) continue;
+      if (a < 0 || b < 0 || a === b || !joinedInViews(layer, this.depths, at[JOINS[join]], at[JOINS[join + 1]])) continue;
       for (let k = 0; k < 4; k++) if (surface[k] === Math.max(a, b)) surface[k] = Math.min(a, b);
     }
   }
@@ -104,7 +104,9 @@ export class TornQuads {
       const i = y * layer.columns + this.x0 + x;
       if (y < 0 || y >= layer.rows || layer.w[i] === ABSENT) continue;
       if (layer.w[i] > own.w[from]) hidden = true;
-      if (other === index || !depths.connected(ownCoded, ownStep, depths.w[layer.code[i]], depths.steps[layer.step[i]])) continue;
+      if (other === index) continue;
+      const parallax = depths.parallaxOf(own.colour[from], layer.colour[i]);
+      if (!depths.connected(ownCoded, ownStep, depths.w[layer.code[i]], depths.steps[layer.step[i]], parallax)) continue;
       const apart = Math.abs(layer.w[i] - own.w[from]);
       if (apart >= bestApart) continue;
       best = layer;

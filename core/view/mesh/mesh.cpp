@@ -73,7 +73,8 @@ class Builder {
   Corner corner(int layer, int x, int y) const;
   std::array<int, 4> group(const Corners& corners) const;
   bool connected(const Corner& a, const Corner& b) const {
-    return view::connected(a.code_w, a.step, b.code_w, b.step, parallax_);
+    const float parallax = look_alike(rgb_of(a.colour), rgb_of(b.colour)) ? alike_parallax_ : parallax_;
+    return view::connected(a.code_w, a.step, b.code_w, b.step, parallax);
   }
 
   // Layers are counted on from the panorama's to the underlay and to what is made up beyond the frames.
@@ -88,11 +89,12 @@ class Builder {
   CodedDepths depths_;
   std::vector<PreparedLayer> layers_;
   std::vector<SparseColumns> beyond_;
-  float parallax_ = 0;
+  float parallax_ = 0, alike_parallax_ = 0;
 };
 
 Builder::Builder(const PanoramaGrid& grid) : grid_(grid), depths_(grid) {
   parallax_ = static_cast<float>(surface_slack(grid_));
+  alike_parallax_ = static_cast<float>(surface_slack(grid_, kAlikeParallaxPx));
 }
 
 void Builder::add(const Layer& layer) {

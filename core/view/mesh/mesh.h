@@ -9,7 +9,7 @@
 //     sampling of the source image would show it).
 //
 // Two neighbours tear when their inverse depths differ by more than their codes' resolution plus what a very slanted
-// surface may change from pixel to pixel.
+// surface may change from pixel to pixel; where they look alike only when they differ by more (tears.h).
 #pragma once
 
 #include <cstdint>
@@ -29,6 +29,9 @@ inline Rgba pack(Rgb c, uint8_t a) {
          static_cast<Rgba>(a) << 24;
 }
 inline uint32_t alpha_of(Rgba c) { return c >> 24; }
+inline Rgb rgb_of(Rgba c) {
+  return {static_cast<uint8_t>(c), static_cast<uint8_t>(c >> 8), static_cast<uint8_t>(c >> 16)};
+}
 
 constexpr float kAbsent = -1;  // inverse depth where a layer is not present
 
