@@ -3,7 +3,7 @@
 
   viewer_check.py LDP [-o FOLDER] [--panorama FILE.ldp --views CAMERAS.json]      default: a small room of its own
 LDP: the program. FOLDER keeps pictures of what was compared. Of another panorama its first ten views are compared, the
-size of its page, what is unfilled within the limits and how soon it is there.
+size of its page, what is unfilled within the limits (as what photographs show black seems, too) and how soon it is there.
 """
 import argparse
 import base64
@@ -118,7 +118,8 @@ class ViewerCheck(unittest.TestCase):
 
     def test_nothing_is_left_unfilled_anywhere_within_the_limits(self):
         draw = f"""(() => {{ const v = {VIEWER}, [at, l] = [v.viewpoint, v.viewpoint.limits];
-          at.yaw = arguments[0] < 0 ? l.yaw[0] : arguments[0] > 0 ? l.yaw[1] : at.middle;
+          const [left, right] = l.yaw ?? [at.middle - 2, at.middle + 2];  // of a full turn, thirds
+          at.yaw = arguments[0] < 0 ? left : arguments[0] > 0 ? right : at.middle;
           at.out = l.out[arguments[1]]; at.up = l.up[arguments[2]]; at.zoom = 0.7;
           v.scene.draw(at.camera(320, 240)); return v.scene.pixels(); }})()"""
         for yaw in (-1, 0, 1):
