@@ -19,8 +19,9 @@ constexpr double kLargestGain = 4;         // factor, from 1; its inverse is the
 constexpr int kReweightings = 5;           // of links that contradict the others, from 1
 constexpr double kAnchor = 1e-3;  // pulls each unknown to zero, lest photos without links have no solution; above 0
 
-// The curve (exposure_gain.h): from here to white it bends, so that white stays white.
 constexpr double kWhite = 255;
+
+// The curve (exposure_gain.h): from here to white it bends, so that white stays white.
 constexpr double kBrightShoulder = 208;  // of the level that a gain above 1 gives
 constexpr double kDarkShoulder = 224;    // of a level under a gain below 1; nearer to white: what is not clipped shall
                                          // match what others show of it

@@ -210,7 +210,7 @@ class ViewerCheck(unittest.TestCase):
         in_headset = shown[:240].reshape(120, 240, 3)[::-1]
         for eye in (0, 1):
             expected = shown[240 + 120 * eye:360 + 120 * eye]
-            self.assertGreater(psnr_db(in_headset[:, 120 * eye:120 * (eye + 1)], expected), self.room.least_db)
+            self.assertGreater(psnr_db(in_headset[:, 120 * eye:120 * (eye + 1)], expected), LEAST_PSNR_DB)
         self.assertLess(psnr_db(shown[240:360], shown[360:]), LEAST_PSNR_DB, "the eyes see the same")
 
     def press(self, key, seconds):
@@ -231,7 +231,7 @@ class ViewerCheck(unittest.TestCase):
         self.page.run("lose.restoreContext()")
         self.page.wait_until(f"return {VIEWER}.scene !== null && {VIEWER}.complete", LOAD_S)
         shown = picture(self.page, f"{VIEWER}.pictureOf(arguments[0])", camera["width"], camera["height"], camera)
-        self.assertGreater(psnr_db(shown, self.room.rendered(name)), self.room.least_db)
+        self.assertGreater(psnr_db(shown, self.room.rendered(name)), LEAST_PSNR_DB)
 
     def test_a_damaged_file_is_told_in_words(self):
         self.page.run(f"const v = {VIEWER}, bytes = v.bytes.slice(0); new Uint8Array(bytes)[900] ^= 1; v.file = bytes")

@@ -97,6 +97,5 @@ export function sameSurface(layer, depths, i, j, parallax = depths.parallax) {
 
 /** Whether views join pixels i and j of a layer, both present. */
 export function joinedInViews(layer, depths, i, j) {
-  if (sameSurface(layer, depths, i, j, depths.parallax)) return true;
-  return lookAlike(layer.colour[i], layer.colour[j]) && sameSurface(layer, depths, i, j, depths.alikeParallax);
+  return sameSurface(layer, depths, i, j, depths.parallaxOf(layer.colour[i], layer.colour[j]));
 }
