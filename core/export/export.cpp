@@ -25,7 +25,7 @@ Form form_of(const std::filesystem::path& file) {
   if (extension == ".ply") return Form::ply;
   throw std::runtime_error(file.string() + ": cannot export to " +
                            (extension.empty() ? "a name without an ending" : "'" + extension + "'") +
-                           ": .jpg, .png, .glb, .ply, .html, .json, or a folder with a slash behind its name");
+                           ": choose .jpg, .png, .glb, .ply, .html, .json, or a folder with a slash behind its name");
 }
 
 std::vector<uint8_t> bytes_of(const std::string& text) { return {text.begin(), text.end()}; }

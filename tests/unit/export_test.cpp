@@ -369,9 +369,10 @@ TEST(Export, AnUnknownExtensionIsRefusedWithTheKnownOnes) {
     export_as("a.obj", synthetic_panorama({}), {});
     FAIL();
   } catch (const std::runtime_error& e) {
-    EXPECT_STREQ(e.what(),
-                 "a.obj: cannot export to '.obj': .jpg, .png, .glb, .ply, .html, .json, or a folder with a slash "
-                 "behind its name");
+    EXPECT_STREQ(
+        e.what(),
+        "a.obj: cannot export to '.obj': choose .jpg, .png, .glb, .ply, .html, .json, or a folder with a slash "
+        "behind its name");
   }
 }
 

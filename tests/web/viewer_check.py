@@ -262,13 +262,16 @@ class ViewerCheck(unittest.TestCase):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("ldp")
-    parser.add_argument("-o", dest="folder")
-    parser.add_argument("--panorama")
-    parser.add_argument("--views")
+    parser.add_argument("ldp", help="the program")
+    parser.add_argument("-o", dest="folder", help="keeps pictures of what was compared")
+    parser.add_argument("--panorama", metavar="FILE.ldp", help="instead of a small room")
+    parser.add_argument("--views", metavar="CAMERAS.json", help="of the panorama, as `ldp render --cameras` takes them")
     arguments = parser.parse_args()
     if bool(arguments.panorama) != bool(arguments.views):
-        parser.error("--panorama and --views go together")
+        parser.error("--panorama and --views go together: give the other one, too")
+    for file in filter(None, [arguments.ldp, arguments.panorama, arguments.views]):
+        if not pathlib.Path(file).is_file():
+            parser.error(f"{file}: there is no such file: check the name")
     with tempfile.TemporaryDirectory(prefix="ldp_viewer_") as folder:
         if arguments.folder:
             pathlib.Path(arguments.folder).mkdir(parents=True, exist_ok=True)
