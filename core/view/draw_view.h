@@ -14,8 +14,8 @@ namespace ldp::view {
 // Throws when no view can be drawn for the camera.
 void check_camera(const Camera& camera);
 
-// Draws those of `tiles` that the frustum, which is the camera's, sees.
-View draw_view(const std::vector<const MeshTile*>& tiles, const ViewFrustum& frustum, const Camera& camera,
-               const RenderOptions& options, ScratchPool<StripTarget>& strips, const Job& job);
+// Draws those of `tiles`, of the grid, that the frustum, which is the camera's, sees.
+View draw_view(const std::vector<const MeshTile*>& tiles, const PanoramaGrid& grid, const ViewFrustum& frustum,
+               const Camera& camera, const RenderOptions& options, ScratchPool<StripTarget>& strips, const Job& job);
 
 }  // namespace ldp::view

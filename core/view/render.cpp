@@ -8,6 +8,8 @@
 
 #include "core/view/draw_view.h"
 #include "core/view/inpainting.h"
+#include "core/view/outlines.h"
+#include "core/view/tears.h"
 #include "core/view/view_tuning.h"
 
 namespace ldp {
@@ -43,7 +45,6 @@ Plane<float> depth_of(Plane<float> inverse_z) {
   return inverse_z;
 }
 
-// inverse_z may be empty.
 void store(const view::StripTarget& strip, View& rendered, Plane<float>& inverse_z) {
   for (int y = 0; y < strip.height; ++y) {
     const size_t from = strip.pixel(strip.x0, y), to = rendered.colour.index(strip.x0, y);
@@ -53,7 +54,7 @@ void store(const view::StripTarget& strip, View& rendered, Plane<float>& inverse
       rendered.colour.samples[to + x] = {static_cast<uint8_t>(shown.colour), static_cast<uint8_t>(shown.colour >> 8),
                                          static_cast<uint8_t>(shown.colour >> 16)};
       rendered.alpha.samples[to + x] = static_cast<uint8_t>(view::alpha_of(shown.colour));
-      if (!inverse_z.empty()) inverse_z.samples[to + x] = shown.inverse_z;
+      inverse_z.samples[to + x] = shown.inverse_z;
     }
   }
 }
@@ -83,15 +84,15 @@ View Renderer::render(const Camera& camera, const RenderOptions& options, const 
   for (const view::MeshTile& tile : mesh.tiles)
     if (all || tile.layer < options.layers) tiles.push_back(&tile);
   const view::ViewFrustum frustum(prepared_->grid, mesh.first_row, mesh.rows, camera);
-  return view::draw_view(tiles, frustum, camera, options, prepared_->strips, job);
+  return view::draw_view(tiles, prepared_->grid, frustum, camera, options, prepared_->strips, job);
 }
 
-View view::draw_view(const std::vector<const MeshTile*>& tiles, const ViewFrustum& frustum, const Camera& camera,
-                     const RenderOptions& options, ScratchPool<StripTarget>& strip_pool, const Job& job) {
+View view::draw_view(const std::vector<const MeshTile*>& tiles, const PanoramaGrid& grid, const ViewFrustum& frustum,
+                     const Camera& camera, const RenderOptions& options, ScratchPool<StripTarget>& strip_pool,
+                     const Job& job) {
   const Intrinsics& k = camera.intrinsics;
   View rendered{RgbImage(k.width, k.height), Plane<uint8_t>(k.width, k.height), {}, 0};
-  Plane<float> inverse_z;
-  if (options.depth || options.fill != Fill::none) inverse_z = Plane<float>(k.width, k.height);
+  Plane<float> inverse_z(k.width, k.height);
   const Window window = frustum.window(0, k.width);
   std::vector<const MeshTile*> seen;
   for (const MeshTile* tile : tiles)
@@ -106,6 +107,8 @@ View view::draw_view(const std::vector<const MeshTile*>& tiles, const ViewFrustu
   });
   if (options.fill == Fill::background)
     rendered.invented_share = fill_background(inverse_z, rendered.colour, rendered.alpha);
+  const auto step = static_cast<float>(surface_slack(grid, kOutlineParallaxPx));
+  soften_outlines(step, job, inverse_z, rendered.colour, rendered.alpha);
   if (options.depth) rendered.depth = depth_of(std::move(inverse_z));
   return rendered;
 }

@@ -129,7 +129,7 @@ View StripRenderer::render(const Camera& camera, const RenderOptions& options, c
   std::stable_sort(tiles.begin(), tiles.end(), [](const auto* a, const auto* b) { return a->layer < b->layer; });
   const PanoramaGrid& grid = prepared_->panorama.grid;
   const view::ViewFrustum frustum(grid, 0, grid.height, camera);
-  return view::draw_view(tiles, frustum, camera, options, prepared_->targets, job);
+  return view::draw_view(tiles, grid, frustum, camera, options, prepared_->targets, job);
 }
 
 }  // namespace ldp

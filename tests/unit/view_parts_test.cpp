@@ -9,6 +9,7 @@
 #include "core/view/mesh/code_smoother.h"
 #include "core/view/mesh/torn_quads.h"
 #include "core/view/mesh/underlay.h"
+#include "core/view/outlines.h"
 #include "core/view/raster/occlusion.h"
 #include "core/view/raster/raster.h"
 #include "core/view/raster/view_frustum.h"
@@ -83,6 +84,80 @@ TEST(Inpainting, NothingAtAllBecomesGreyAtAnySize) {
       EXPECT_EQ(picture.fill(), 1);
       for (const Rgb& c : picture.colour.samples) EXPECT_EQ(c, (Rgb{127, 127, 127}));
     }
+}
+
+// --- outlines --------------------------------------------------------------------------------------------------------
+
+constexpr Rgb kFarColour{10, 10, 10}, kNearColour{210, 110, 10};
+constexpr float kFarZ = 0.1F, kNearZ = 0.5F, kLeastStep = 0.002F;
+
+// A far wall, and what shows in it.
+struct Scenery : Picture {
+  Scenery() : Picture(12, 9, kFarColour) { std::fill(inverse_z.samples.begin(), inverse_z.samples.end(), kFarZ); }
+  void stand(int x, int y) { inverse_z.at(x, y) = kNearZ, colour.at(x, y) = kNearColour; }
+  void soften() { soften_outlines(kLeastStep, {}, inverse_z, colour, alpha); }
+  int red(int x, int y) const { return colour.at(x, y).r; }
+};
+
+TEST(Outlines, PixelsOnBothSidesOfAStepAreMixed) {
+  Scenery picture;
+  for (int y = 0; y < 9; ++y)
+    for (int x = 6; x < 12; ++x) picture.stand(x, y);
+  picture.soften();
+  for (int y = 0; y < 9; ++y) {
+    EXPECT_EQ(picture.red(4, y), 10);
+    EXPECT_EQ(picture.red(5, y), 50);  // 4 parts in 20 of the near one
+    EXPECT_EQ(picture.red(6, y), 170);
+    EXPECT_EQ(picture.red(7, y), 210);
+  }
+  EXPECT_EQ(picture.inverse_z.at(5, 4), kFarZ);
+  EXPECT_EQ(picture.inverse_z.at(6, 4), kNearZ);
+}
+
+TEST(Outlines, ASlantedPlaneStaysSharp) {
+  Scenery picture;
+  for (int y = 0; y < 9; ++y)
+    for (int x = 0; x < 12; ++x) {
+      picture.inverse_z.at(x, y) = 0.05F + 0.03F * static_cast<float>(x) + 0.02F * static_cast<float>(y);
+      picture.colour.at(x, y).r = static_cast<uint8_t>(x % 2 * 200);
+    }
+  const RgbImage before = picture.colour;
+  picture.soften();
+  for (int y = 1; y < 8; ++y)
+    for (int x = 1; x < 11; ++x) EXPECT_EQ(picture.colour.at(x, y), before.at(x, y)) << x << ", " << y;
+}
+
+TEST(Outlines, SpecksVanishAndThreadsStay) {
+  Scenery picture;
+  picture.stand(2, 4);
+  for (int y = 0; y < 9; ++y) picture.stand(8, y);
+  picture.soften();
+  EXPECT_EQ(picture.red(2, 4), 10);
+  for (int y = 1; y < 8; ++y) EXPECT_EQ(picture.red(8, y), 130);  // 12 parts in 20
+}
+
+TEST(Outlines, HolesStayButForCracks) {
+  Scenery picture;
+  picture.hole(0, 4, 0, 9);
+  picture.hole(8, 9, 0, 9);
+  for (int y = 0; y < 9; ++y)
+    for (int x = 9; x < 12; ++x) picture.stand(x, y);
+  picture.soften();
+  for (int y = 0; y < 9; ++y) {
+    for (int x = 0; x < 4; ++x) EXPECT_EQ(picture.alpha.at(x, y), 0);
+    EXPECT_EQ(picture.colour.at(4, y), kFarColour);  // the hole's own colour counts for nothing
+    EXPECT_EQ(picture.alpha.at(8, y), 255);
+    EXPECT_EQ(picture.red(8, y), 110);
+    EXPECT_EQ(picture.inverse_z.at(8, y), kFarZ);
+  }
+}
+
+TEST(Outlines, PicturesOfOnePixelAreNoTrouble) {
+  for (const auto& [width, height] : {std::pair(1, 1), {1, 3}, {3, 1}}) {
+    Picture picture(width, height, kFarColour);
+    soften_outlines(kLeastStep, {}, picture.inverse_z, picture.colour, picture.alpha);
+    for (const Rgb& c : picture.colour.samples) EXPECT_EQ(c, kFarColour);
+  }
 }
 
 // --- layers made ready -----------------------------------------------------------------------------------------------

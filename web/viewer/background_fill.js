@@ -2,6 +2,9 @@ import { makeProgram, Target } from './gl.js';
 
 const RIM_PX = 2; // rim pixels are this near to a hole
 const FADE = [0.15, 0.6]; // radians beyond the panorama's border where it begins to darken, and ends
+// Outlines, as in core/view/outlines.h: inverse depths side by side bend by more than this share of themselves plus so
+// many pixels of parallax over the arc's radius; a pixel with at most so many neighbours on its surface is a speck.
+const OUTLINE_SHARE = 0.06, OUTLINE_PARALLAX_PX = 0.75, SPECK_NEIGHBOURS = 1;
 const FARTHER = 1e-4; // inverse z-depth, 1 / unit, by which background may be nearer than what surrounds a hole
 
 const SCREEN_VERTEX = `
@@ -118,9 +121,10 @@ void main() {
   filled = vec4(own.a >= 1.0 ? own.rgb : mix(sampled(coarse, at), own.rgb, own.a), 1.0);
 }`;
 
-// The picture over its background. Beyond the panorama's border that darkens softly.
+// The picture over its background, which beyond the panorama's border darkens softly; outlines of surfaces are mixed.
 const COMPOSE_FRAGMENT = `${COMMON}
-uniform sampler2D colours; uniform sampler2D background;
+uniform sampler2D colours; uniform sampler2D depths; uniform sampler2D background;
+uniform float leastStep;              // of inverse z-depth
 uniform mat3 axes; uniform vec4 lens; // right, down, forward from the arc's axes; fx, fy, cx, cy [pixels]
 uniform vec4 border;                  // theta in the middle, half its extent; v of the top, of the bottom
 uniform vec2 fade;
@@ -132,16 +136,42 @@ float beyond(vec2 place) {
   theta = abs(theta - 6.283185307 * round(theta / 6.283185307));
   return max(theta - border.y, max(slope - atan(border.z), atan(border.w) - slope));
 }
-void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy) - corner;
-  at.y = textureSize(colours, 0).y - 1 - at.y;  // the picture's first row is shown at the top
+vec3 composed(ivec2 at) {
   vec4 own = texelFetch(colours, at, 0);
-  if (own.a >= SOLID) {
-    shown = vec4(own.rgb / own.a, 1.0);
+  if (own.a >= SOLID) return own.rgb / own.a;
+  float light = mix(1.0, 0.3, smoothstep(fade.x, fade.y, beyond(vec2(at) + 0.5)));
+  return own.rgb + (1.0 - own.a) * light * texelFetch(background, at, 0).rgb;
+}
+float inverseZ(ivec2 at) {
+  float depth = texelFetch(depths, at, 0).r;
+  return depth < 1.0 ? 1.0 - depth : NONE;
+}
+bool isBeside(float z, float other) { return abs(other - z) <= ${OUTLINE_SHARE} * z + leastStep; }
+bool isStep(ivec2 a, ivec2 middle, ivec2 b) {
+  vec3 z = vec3(inverseZ(a), inverseZ(middle), inverseZ(b));
+  return abs(z.x + z.z - 2.0 * z.y) > ${OUTLINE_SHARE} * max(max(z.x, z.z), z.y) + leastStep;
+}
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy) - corner, size = textureSize(colours, 0);
+  at.y = size.y - 1 - at.y;  // the picture's first row is shown at the top
+  ivec2 low = clamped(at - 1, size), high = clamped(at + 1, size);
+  bool outline = isStep(ivec2(low.x, at.y), at, ivec2(high.x, at.y)) || isStep(ivec2(at.x, low.y), at, ivec2(at.x, high.y)) ||
+                 isStep(low, at, high) || isStep(ivec2(low.x, high.y), at, ivec2(high.x, low.y));
+  if (!outline) {
+    shown = vec4(composed(at), 1.0);
     return;
   }
-  float light = mix(1.0, 0.3, smoothstep(fade.x, fade.y, beyond(vec2(at) + 0.5)));
-  shown = vec4(own.rgb + (1.0 - own.a) * light * texelFetch(background, at, 0).rgb, 1.0);
+  float own = inverseZ(at);
+  int beside = -1;  // of its neighbours, on its surface
+  for (int k = 0; k < 9; k++) beside += isBeside(own, inverseZ(clamped(at + ivec2(k % 3, k / 3) - 1, size))) ? 1 : 0;
+  vec4 sum = vec4(0.0);
+  for (int k = 0; k < 9; k++) {
+    ivec2 by = ivec2(k % 3, k / 3) - 1, from = clamped(at + by, size);
+    if (beside <= ${SPECK_NEIGHBOURS} && isBeside(own, inverseZ(from))) continue;
+    float weight = by == ivec2(0) ? 8.0 : by.x * by.y == 0 ? 2.0 : 1.0;
+    sum += weight * vec4(composed(from), 1.0);
+  }
+  shown = vec4(sum.a > 0.0 ? sum.rgb / sum.a : composed(at), 1.0);
 }`;
 
 /**
@@ -201,8 +231,8 @@ export class BackgroundFill {
     this.pullAndPush();
     this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, into.framebuffer);
     this.gl.viewport(into.x, into.y, picture.width, picture.height);
-    this.pass(this.compose, null, { colours: picture.texture, background: this.targets.levels[0].pushed.texture },
-              (uniforms) => this.setCamera(uniforms, camera, into));
+    this.pass(this.compose, null, { colours: picture.texture, depths: picture.depth, background: this.targets.levels[0].pushed.texture },
+              (uniforms) => this.setCompose(uniforms, camera, near, into));
     this.gl.bindVertexArray(null);
   }
 
@@ -229,8 +259,9 @@ export class BackgroundFill {
     }
   }
 
-  setCamera(uniforms, camera, { x, y }) {
+  setCompose(uniforms, camera, near, { x, y }) {
     const { gl, head } = this;
+    gl.uniform1f(uniforms.leastStep, (near * OUTLINE_PARALLAX_PX * head.vPitch) / (head.radius > 0 ? head.radius : 1));
     gl.uniform2i(uniforms.corner, x, y);
     gl.uniformMatrix3fv(uniforms.axes, true, camera.axes);
     gl.uniform4f(uniforms.lens, camera.fx, camera.fy, camera.cx, camera.cy);
