@@ -123,8 +123,9 @@ std::string capture_json(const CaptureRecord& record) {
 void CaptureStore::prepare() const {
   std::error_code error;
   fs::create_directories(output_, error);
-  if (error) throw_errno("cannot make the folder " + output_.string(), error.value());
-  if (::access(output_.c_str(), W_OK) != 0) throw_errno("cannot write into " + output_.string());
+  const std::string advice = " (choose a folder that you may write to)";
+  if (error) throw_errno("cannot make the folder " + output_.string() + advice, error.value());
+  if (::access(output_.c_str(), W_OK) != 0) throw_errno("cannot write into " + output_.string() + advice);
   if (flush_folder(output_)) return;
   log_warning("the file system of " + output_.string() +
               " cannot flush folders: a power cut may take back what was stored in the last seconds");

@@ -126,9 +126,17 @@ TEST_F(CaptureStoreTest, SweepsLeftShrinkWithTheReserve) {
   EXPECT_EQ(store.sweeps_left(uint64_t{1} << 60), 0);
 }
 
-TEST_F(CaptureStoreTest, AFolderThatCannotBeMadeIsNamed) {
+TEST_F(CaptureStoreTest, AFolderThatCannotBeMadeIsNamedWithWhatToDo) {
   touch(output_ / "file");
-  EXPECT_THROW(CaptureStore(output_ / "file" / "folder").prepare(), std::runtime_error);
+  for (const fs::path& folder : {output_ / "file" / "folder", fs::path("/proc/folder")}) {
+    try {
+      CaptureStore(folder).prepare();
+      FAIL() << folder;
+    } catch (const std::system_error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("cannot make the folder " + folder.string() +
+                                          " (choose a folder that you may write to): "));
+    }
+  }
 }
 
 TEST(CaptureJson, SaysWhatIsKnown) {
