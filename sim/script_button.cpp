@@ -15,7 +15,7 @@ constexpr double kMostWait_ms = 1e10;  // in all: four months
 
 std::string script_text(const std::string& file) {
   std::ifstream in(file);
-  if (!in) throw std::runtime_error("cannot read the button script '" + file + "'");
+  if (!in) throw std::runtime_error("cannot read the button script '" + file + "': check its name and permissions");
   std::string text;
   std::array<char, 4096> part;
   while (text.size() <= kMostBytes && (in.read(part.data(), part.size()), in.gcount() > 0))

@@ -52,17 +52,14 @@ void declare(CLI::App& app, Arguments& arguments) {
                "print the configuration as it holds, with comments, and exit");
 }
 
-ldp::Inputs inputs_of(const Arguments& arguments) {
-  return arguments.check_config ? ldp::Inputs::must_exist : ldp::Inputs::may_be_missing;
-}
-
 // Mistakes in it go to standard error, one a line. False if there are any.
 bool read_configuration(const Arguments& arguments, ldp::Config& config) {
   std::optional<std::string> file = arguments.config_file;
   if (!file && std::filesystem::exists(kDefaultConfig)) file = kDefaultConfig;
   bool good = true;
   if (file) {
-    const ldp::CheckedConfig checked = ldp::read_config(*file, inputs_of(arguments));
+    const ldp::CheckedConfig checked =
+        ldp::read_config(*file, arguments.check_config ? ldp::Inputs::must_exist : ldp::Inputs::may_be_missing);
     for (const ldp::ConfigMistake& mistake : checked.mistakes) {
       const std::string line = mistake.line > 0 ? ":" + std::to_string(mistake.line) : "";
       std::fprintf(stderr, "%s\n", ldp::printable(*file + line + ": " + mistake.text).c_str());
@@ -81,7 +78,9 @@ bool read_configuration(const Arguments& arguments, ldp::Config& config) {
 int serve(const Arguments& arguments) {
   ldp::Config config;
   if (!read_configuration(arguments, config)) return kBadConfiguration;
-  const std::vector<ldp::ConfigMistake> wrong = ldp::wrong_values(config, inputs_of(arguments));
+  const bool waits = !arguments.check_config && !arguments.once;
+  const std::vector<ldp::ConfigMistake> wrong =
+      ldp::wrong_values(config, waits ? ldp::Inputs::may_be_missing : ldp::Inputs::must_exist);
   for (const ldp::ConfigMistake& mistake : wrong)
     std::fprintf(stderr, "ldpd: --%s\n", ldp::printable(mistake.text).c_str());
   if (!wrong.empty()) return kBadArguments;

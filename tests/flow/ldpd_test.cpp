@@ -1,5 +1,7 @@
 // The service as a whole, as a process: single runs, interruptions, and what its configuration may not say. Simulated
 // camera and button, a stand-in for the build.
+#include <tuple>
+
 #include "tests/flow/ldpd.h"
 
 namespace ldp {
@@ -194,9 +196,23 @@ TEST_F(LdpdTest, AConfigurationThatCannotBePrintedAsksForAnotherTime) {
 
 TEST_F(LdpdTest, TellsItsVersion) { EXPECT_EQ(Process({LDPD_PROGRAM, "--version"}, room_ / "said").wait().status, 0); }
 
-TEST_F(LdpdTest, AMissingCameraIsNamed) {
+TEST_F(LdpdTest, ASingleRunWithoutItsScriptOrPhotosIsRefusedBeforeItsFolderIsMade) {
+  const std::string nowhere = (room_ / "nowhere").string();
+  for (const auto& [word, option, url] :
+       {std::tuple(4U, "--camera", "folder:"), std::tuple(6U, "--button", "script:")}) {
+    std::vector<std::string> words = command({"--once"});
+    words[word] = url + nowhere;
+    const Finished run = Process(words, room_ / "said").wait();
+    EXPECT_EQ(run.status, 2);
+    EXPECT_THAT(run.said, HasSubstr(std::string("ldpd: ") + option + ": '" + url + nowhere + "': there is no "));
+    EXPECT_THAT(run.said, HasSubstr("'" + nowhere + "': check its name\n"));
+    EXPECT_FALSE(fs::exists(room_ / "out"));
+  }
+}
+
+TEST_F(LdpdTest, AMissingDeviceOfASingleRunIsNamed) {
   std::vector<std::string> words = command({"--once"});
-  words[4] = "folder:" + (room_ / "nowhere").string();
+  words[4] = "v4l2:" + (room_ / "nowhere").string();
   const Finished run = Process(words, room_ / "said").wait();
   EXPECT_EQ(run.status, 1);
   EXPECT_THAT(run.said, HasSubstr("nowhere"));

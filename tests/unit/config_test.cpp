@@ -176,9 +176,10 @@ TEST(Config, AMissingFolderOrScriptIsNamedWithItsLineWhereItMustExist) {
   const CheckedConfig checked = parse_config(missing, Inputs::must_exist);
   ASSERT_EQ(checked.mistakes.size(), 2U);
   EXPECT_EQ(checked.mistakes[0].line, 2);
-  EXPECT_EQ(checked.mistakes[0].text, "camera: 'folder:/nowhere?fps=5': there is no folder '/nowhere'");
+  EXPECT_EQ(checked.mistakes[0].text, "camera: 'folder:/nowhere?fps=5': there is no folder '/nowhere': check its name");
   EXPECT_EQ(checked.mistakes[1].line, 3);
-  EXPECT_EQ(checked.mistakes[1].text, "button: 'script:/nowhere/turn': there is no file '/nowhere/turn'");
+  EXPECT_EQ(checked.mistakes[1].text,
+            "button: 'script:/nowhere/turn': there is no file '/nowhere/turn': check its name");
   const auto mistakes = [](const std::string& text) { return parse_config(text, Inputs::must_exist).mistakes.size(); };
   EXPECT_EQ(mistakes("camera='folder:/dev/null'\nbutton='script:/dev'"), 2U);
   EXPECT_EQ(mistakes("camera='folder:/dev'\nbutton='script:/dev/null'"), 0U);

@@ -204,7 +204,7 @@ TEST(ScriptButton, AWrongWordIsNamedWithItsLine) {
   std::ofstream(folder / "script") << "press\nwait long\n";
   EXPECT_THAT(complaint([&] { open_script_button(Url("script:" + (folder / "script").string())); }),
               testing::AllOf(HasSubstr(":2:"), HasSubstr("'wait'")));
-  EXPECT_THAT(complaint([] { open_script_button(Url("script:/nowhere")); }), HasSubstr("/nowhere"));
+  EXPECT_THAT(complaint([] { open_script_button(Url("script:/nowhere")); }), HasSubstr("'/nowhere': check its name"));
   EXPECT_THAT(complaint([] { open_script_button(Url("script:/dev/null")); }), HasSubstr("is empty"));
 }
 

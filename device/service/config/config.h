@@ -54,7 +54,8 @@ struct CheckedConfig {
   std::vector<ConfigMistake> mistakes;  // in the order of the file
 };
 
-// The folder of a folder: camera and the file of a script: button. A service that starts waits for them.
+// The folder of a folder: camera and the file of a script: button. A service that starts waits for them, a
+// single run does not.
 enum class Inputs : uint8_t { may_be_missing, must_exist };
 
 // The mode that was given, otherwise hold where the button tells when it is let go, and toggle where it does not.

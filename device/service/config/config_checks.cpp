@@ -33,7 +33,7 @@ void check_camera_is_there(const std::string& camera) {
   check_camera(camera);
   const Url url(camera);
   if (url.scheme() == "folder" && !is_directory_at(url.path()))
-    throw std::runtime_error("'" + url.text() + "': there is no folder '" + url.path() + "'");
+    throw std::runtime_error("'" + url.text() + "': there is no folder '" + url.path() + "': check its name");
 }
 
 void check_button_is_there(const std::string& button) {
@@ -41,7 +41,7 @@ void check_button_is_there(const std::string& button) {
   const Url url(button);
   std::error_code error;
   if (url.scheme() == "script" && (is_directory_at(url.path()) || !std::filesystem::exists(url.path(), error)))
-    throw std::runtime_error("'" + url.text() + "': there is no file '" + url.path() + "'");
+    throw std::runtime_error("'" + url.text() + "': there is no file '" + url.path() + "': check its name");
 }
 
 void check_build_program(const std::string& program) {
