@@ -324,7 +324,9 @@ TEST_F(Flow, RefusesUnknownWordsAndBadValuesInOneLine) {
   expect_refusal({"bild"}, 2, "there is no command 'bild'");
   expect_refusal({"build", path("x"), "-o", path("a.ldp"), "--labels", "17"}, 2, "--labels");
   expect_refusal({"build", path("x"), "-o", path("a.ldp"), "--wide"}, 2, "--wide");
-  expect_refusal({"scene", "moon", "-o", path("moon")}, 2, "courtyard");
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"scene", "moon", "-o", path("moon")}, {"scene", "moon"}})
+    expect_refusal(words, 2, "no scene is called 'moon'; there are courtyard, ");
   expect_refusal({"scene", "room", "-o", path("room"), "--size", "9x9"}, 2, "--size");
   expect_refusal({"render", path("none.ldp"), "--path", "sway", "-o", path("views")}, 2, "none.ldp");
 }

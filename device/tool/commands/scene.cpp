@@ -43,6 +43,7 @@ int list_scenes(bool json) {
 int run(SceneCommand command, const Session& session) {
   if (command.list) return list_scenes(session.json);
   if (command.scene.scene.empty()) throw BadInput("no scene is named: give one of those that --list shows");
+  make_scene(command.scene.scene, command.scene.seed);  // an unknown name is refused before anything else
   if (command.output.empty()) throw BadInput("no output folder is named: add -o DIR");
   if (command.scene.around.width == 0)
     for (const CLI::Option* const option : command.of_around)
@@ -58,7 +59,6 @@ int run(SceneCommand command, const Session& session) {
   command.scene.path.seed = command.scene.seed;
   command.scene.novel_views = !command.no_novel;
   command.scene.shade = command.shade.value_or(command.scene.meters ? kShade : 1);
-  make_scene(command.scene.scene, command.scene.seed);  // an unknown name is refused before anything is written
   OutputFolder folder(command.output, OutputFolder::Existing::refuse);
   std::optional<ProgressBar> bar(session.progress_fd);
   folder.fill([&] { write_scene_capture(command.scene, folder.path(), start_job(session, *bar)); });
