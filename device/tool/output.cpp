@@ -39,6 +39,12 @@ void check_folder_takes_files(const fs::path& folder, const fs::path& shown) {
   }
 }
 
+// What the system said of an output: whether the machine is at fault, or the place that was named.
+[[noreturn]] void refuse_place(const std::error_code& code, const std::string& said) {
+  if (is_machine_fault(code)) throw MachineFault(said);
+  throw Impossible(said + ": choose another folder to write to");
+}
+
 // Two to four letters or digits after the dot, a letter among them: .ldp, .gz and .webp are; .5 and .views are not.
 bool ends_like_a_file(const fs::path& path) {
   const std::string extension = extension_of(path);
@@ -115,11 +121,15 @@ void write_output(const fs::path& file, std::span<const uint8_t> bytes) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (fs::exists(status) && !fs::is_regular_file(status)) return write_file(file, bytes);  // a pipe or device
-  PartialFile partial(file);
-  const Temporary temporary(partial.path());
-  partial.write(bytes);
-  const Finishing finishing;
-  partial.finish();
+  try {
+    PartialFile partial(file);
+    const Temporary temporary(partial.path());
+    partial.write(bytes);
+    const Finishing finishing;
+    partial.finish();
+  } catch (const std::system_error& refused) {
+    refuse_place(refused.code(), words_of(refused));
+  }
 }
 
 void write_text(const fs::path& file, const std::string& text) {
@@ -167,8 +177,7 @@ void OutputFolder::fill(const std::function<void()>& write) const {
     if (text.find(partial) == std::string::npos) throw;
     for (size_t at = 0; (at = text.find(partial, at)) != std::string::npos; at += shown_.string().size())
       text.replace(at, partial.size(), shown_.string());
-    if (is_machine_fault(error.code())) throw MachineFault(text);
-    throw Impossible(text);
+    refuse_place(error.code(), text);
   }
 }
 

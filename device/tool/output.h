@@ -28,7 +28,7 @@ void check_output_file(const std::filesystem::path& file);
 // replace.
 void check_output_file(const std::filesystem::path& file, const std::string& extension);
 
-// Whole files, atomic, not cut off by Ctrl-C.
+// Whole files, atomic, not cut off by Ctrl-C. Throw Impossible, or MachineFault, when one cannot be written.
 void write_output(const std::filesystem::path& file, std::span<const uint8_t> bytes);
 void write_text(const std::filesystem::path& file, const std::string& text);
 

@@ -72,8 +72,14 @@ LayeredPanorama decode_panorama(const PanoramaInput& input, std::span<const uint
                  what_it_is(description));
     return decode_ldp(bytes, {}, job);
   } catch (const LdpError& error) {
-    throw BadInput(input.file + ": " + error.what() + ": copy the file again, or see ldp verify");
+    throw BadInput(input.file + ": " + refusal_of(bytes, error.what()));
   }
+}
+
+std::string refusal_of(std::span<const uint8_t> bytes, const std::string& damage) {
+  if (bytes.empty()) return "the file is empty: build the panorama again, or give another file";
+  if (!begins_as_ldp(bytes)) return "is no .ldp file: give one that ldp build made";
+  return damage + ": copy the file again, or build the panorama again";
 }
 
 std::vector<std::string> verify_panorama(const PanoramaInput& input, std::span<const uint8_t> bytes, const Job& job) {

@@ -37,6 +37,10 @@ LayeredPanorama read_panorama(const PanoramaInput& input, const BytesBeside& bes
 LayeredPanorama decode_panorama(const PanoramaInput& input, std::span<const uint8_t> bytes, const BytesBeside& beside,
                                 const Job& job);
 
+// What to tell of bytes that are refused, of which `damage` was said, and what to do: those of an empty file, or of a
+// file of another kind, are not damaged.
+std::string refusal_of(std::span<const uint8_t> bytes, const std::string& damage);
+
 // Every damage found, one line each. Throws as above, but for damage.
 std::vector<std::string> verify_panorama(const PanoramaInput& input, std::span<const uint8_t> bytes, const Job& job);
 

@@ -2,7 +2,10 @@
 
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <string>
 #include <thread>
 
 #include "core/base/files.h"
@@ -317,6 +320,30 @@ TEST_F(Flow, RefusesAPanoramaThatWasCutShortOrChanged) {
   expect_refusal({"info", path("changed.ldp")}, 2, "changed.ldp");
   expect_refusal({"export", path("changed.ldp"), "-o", path("a.json")}, 2, "changed.ldp");
   expect_refusal({"render", path("changed.ldp"), "--path", "sway", "-o", path("views")}, 2, "changed.ldp");
+}
+
+TEST_F(Flow, WhatToDoAboutAFileDependsOnWhetherItIsDamagedEmptyOrOfAnotherKind) {
+  const std::vector<uint8_t> whole = read_file(LDP_SOURCE "/tests/golden/tiny.ldp");
+  write_file(path("cut.ldp"), std::span(whole).first(whole.size() / 2));
+  std::ofstream(path("empty.ldp"));
+  photo("photo.jpg");
+  write_file(path("picture.png"), encode_png(RgbImage(64, 48)));
+  for (const auto& [name, says] : std::map<std::string, std::string>{
+           {"cut.ldp", "bytes, found " + std::to_string(whole.size() / 2) +
+                           ": copy the file again, or build the panorama again\n"},
+           {"empty.ldp", ": the file is empty: build the panorama again, or give another file\n"},
+           {"photo.jpg", ": is no .ldp file: give one that ldp build made\n"},
+           {"picture.png", ": is no .ldp file: give one that ldp build made\n"}}) {
+    expect_refusal({"verify", path(name)}, 1, says);
+    expect_refusal({"info", path(name)}, 2, says);
+    expect_refusal({"export", path(name), "-o", path("a.json")}, 2, says);
+  }
+}
+
+TEST_F(Flow, AnOutputThatTheSystemRefusesIsToldWithWhatToDo) {
+  expect_refusal(
+      {"export", LDP_SOURCE "/tests/golden/tiny.ldp", "-o", "/proc/x.png"}, 1,
+      "ldp export: cannot write /proc/x.png: No such file or directory: choose another folder to write to\n");
 }
 
 TEST_F(Flow, RefusesUnknownWordsAndBadValuesInOneLine) {

@@ -32,7 +32,11 @@ TEST_F(Outputs, AFileBeyondALimitIsToldAndLeavesNothing) {
   expect_refusal(render_path(file, path("views"), 2), 1, "cannot write " + path("views/frame_000.png"), limited);
   expect_refusal({"build", path("capture"), "-o", path("b.ldp"), "--cameras", path("capture/transforms.json"),
                   "--layers", "1", "--labels", "2"},
-                 1, "cannot write " + path("b.ldp") + ": File too large", limited);
+                 1, "cannot write " + path("b.ldp") + ": File too large: choose another folder to write to\n", limited);
+  expect_refusal(
+      {"poses", path("capture"), "--cameras", path("capture/transforms.json"), "--colmap", path("sparse")}, 1,
+      "cannot write " + path("sparse/cameras.txt") + ": Permission denied: choose another folder to write to\n",
+      with_faults("write cameras.txt * EACCES"));
 }
 
 // Left to itself it writes what there is room for and ends with status 0.

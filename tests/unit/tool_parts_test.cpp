@@ -137,6 +137,16 @@ TEST_F(ToolParts, AFolderThatCannotBeFilledTellsWhoIsAtFault) {
   EXPECT_THROW(fail_by(EACCES), Impossible);
 }
 
+TEST_F(ToolParts, AFileThatCannotBeWrittenIsToldWithWhatToDo) {
+  try {
+    write_text("/proc/views.json", "{}");
+    FAIL();
+  } catch (const Impossible& refused) {
+    EXPECT_STREQ(refused.what(),
+                 "cannot write /proc/views.json: No such file or directory: choose another folder to write to");
+  }
+}
+
 TEST_F(ToolParts, AFolderAppearsWholeOrNotAtAll) {
   {
     const OutputFolder folder(room_ / "views", OutputFolder::Existing::refuse);

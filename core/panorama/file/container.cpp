@@ -28,7 +28,7 @@ std::string hex(uint32_t value) {
 void check_magic(std::span<const uint8_t> file, const Place& place) {
   const size_t length = std::min(file.size(), kMagic.size());
   if (length == kMagic.size() && std::memcmp(file.data(), kMagic.data(), length) == 0) return;
-  if (length >= 4 && std::memcmp(file.data(), kMagic.data(), 4) == 0)
+  if (begins_as_ldp(file))
     place.refuse("the file was changed on its way: it must be transferred as binary, not as text");
   place.refuse("not an .ldp file");
 }
@@ -139,3 +139,11 @@ std::span<const uint8_t> checked_bytes(std::span<const uint8_t> file, const LdpC
 }
 
 }  // namespace ldp::file
+
+namespace ldp {
+
+bool begins_as_ldp(std::span<const uint8_t> bytes) {
+  return bytes.size() >= 4 && std::memcmp(bytes.data(), file::kMagic.data(), 4) == 0;
+}
+
+}  // namespace ldp

@@ -104,6 +104,7 @@ class LdpReader {
 std::vector<uint8_t> encode_ldp(const LayeredPanorama& panorama, const LdpEncodeOptions& options, const Job& job = {});
 LayeredPanorama decode_ldp(std::span<const uint8_t> bytes, const LdpReadLimits& limits = {}, const Job& job = {});
 LdpDescription describe_ldp(std::span<const uint8_t> bytes);  // decodes no layer
+bool begins_as_ldp(std::span<const uint8_t> bytes);           // else they are of another kind of file, not damaged
 std::vector<std::string> verify_ldp(std::span<const uint8_t> bytes,
                                     const Job& job = {});  // every damage found, one line each; empty = sound
 

@@ -191,8 +191,8 @@ int run(const PanoramaInput& input, const Session& session) {
   Job job;
   job.threads = session.thread_count();
   job.stop = session.stop;
+  const MappedFile mapped(file);
   try {
-    const MappedFile mapped(file);
     const std::vector<std::string> damages = verify_panorama(input, mapped.bytes(), job);
     if (!damages.empty()) throw LdpError(damages.front());
     const LdpDescription description = describe_ldp(mapped.bytes());
@@ -201,7 +201,7 @@ int run(const PanoramaInput& input, const Session& session) {
     else
       print_text(file, description);
   } catch (const LdpError& error) {
-    throw BadInput(file + ": " + error.what() + ": copy the file again, or see ldp verify");
+    throw BadInput(file + ": " + refusal_of(mapped.bytes(), error.what()));
   }
   return kDone;
 }

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "core/arc/arc.h"
+#include "core/base/files.h"
 #include "core/base/markup_text.h"
 #include "core/captures/colmap.h"
 #include "core/captures/json_text.h"
@@ -67,9 +68,9 @@ void write_colmap(const std::filesystem::path& folder, const Poses& poses,
   const ColmapText text = colmap_text({poses.cameras, poses.points, poses.sightings, colours});
   OutputFolder out(folder, OutputFolder::Existing::merge);
   out.fill([&] {
-    write_text(out.path() / "cameras.txt", text.cameras);
-    write_text(out.path() / "images.txt", text.images);
-    write_text(out.path() / "points3D.txt", text.points);
+    write_file(out.path() / "cameras.txt", text.cameras);
+    write_file(out.path() / "images.txt", text.images);
+    write_file(out.path() / "points3D.txt", text.points);
   });
   out.keep();
 }

@@ -31,7 +31,8 @@ int check_file(const PanoramaInput& input, const Session& session) {
     std::printf("%s: sound\n", printable(file).c_str());
   }
   for (const std::string& damage : damages)
-    std::fprintf(stderr, "ldp verify: %s: %s\n", printable(file).c_str(), printable(damage).c_str());
+    std::fprintf(stderr, "ldp verify: %s: %s\n", printable(file).c_str(),
+                 printable(refusal_of(mapped.bytes(), damage)).c_str());
   return damages.empty() ? kDone : kCannotBeDone;
 }
 
