@@ -244,19 +244,20 @@ int CaptureStore::sweeps_left(uint64_t reserve_bytes) const {
   return static_cast<int>(std::min<uint64_t>(usable / usual_sweep_bytes(), 1'000'000));
 }
 
-// The largest of the last sweeps and a bit, so that a promise of one more is kept.
+// The largest of the last sweeps and a bit, so that a promise of one more is kept. Of those with their panorama: one
+// that is being taken is not as large yet as it will be.
 uint64_t CaptureStore::usual_sweep_bytes() const {
-  std::vector<std::string> names;
+  std::vector<std::pair<std::string, uint64_t>> built;  // with their panoramas' sizes
   for (const auto& entry : fs::directory_iterator(output_)) {
-    if (number_of_sweep(entry.path().filename().string())) names.push_back(entry.path().filename().string());
-  }
-  std::sort(names.rbegin(), names.rend());
-  uint64_t largest = 0;
-  for (size_t i = 0; i < std::min(names.size(), kSweepsToGoBy); ++i) {
+    const std::string name = entry.path().filename().string();
     std::error_code error;
-    const uintmax_t panorama = fs::file_size(panorama_of(names[i]), error);
-    largest = std::max(largest, bytes_in(folder_of(names[i])) + (error ? 0 : panorama));
+    const uintmax_t panorama = number_of_sweep(name) ? fs::file_size(panorama_of(name), error) : 0;
+    if (panorama > 0 && !error) built.emplace_back(name, panorama);
   }
+  std::sort(built.rbegin(), built.rend());
+  uint64_t largest = 0;
+  for (size_t i = 0; i < std::min(built.size(), kSweepsToGoBy); ++i)
+    largest = std::max(largest, bytes_in(folder_of(built[i].first)) + built[i].second);
   return largest > (uint64_t{1} << 20) ? largest + largest / 4 : kFirstGuess_bytes;
 }
 

@@ -90,7 +90,7 @@ class CaptureStore {
   BuildRecord read_build_record(const std::string& name) const;
   void forget_build_record(const std::string& name) const;
 
-  // Free bytes beyond the reserve, divided by what the last sweeps took.
+  // Free bytes beyond the reserve, divided by what the last sweeps took that have their panorama.
   int sweeps_left(uint64_t reserve_bytes) const;
 
  private:

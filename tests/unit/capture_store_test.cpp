@@ -126,6 +126,21 @@ TEST_F(CaptureStoreTest, SweepsLeftShrinkWithTheReserve) {
   EXPECT_EQ(store.sweeps_left(uint64_t{1} << 60), 0);
 }
 
+TEST_F(CaptureStoreTest, SweepsLeftGoByTheLastThatWereBuiltAndNotByOneThatIsBeingTaken) {
+  const CaptureStore store(output_);
+  store.prepare();
+  const auto fill = [](const fs::path& file, size_t mebibytes) { write_file(file, std::string(mebibytes << 20, 'x')); };
+  const int at_first = store.sweeps_left(0);
+  const std::string name = store.create_capture();
+  fill(store.folder_of(name) / "frame_000.jpg", 2);
+  EXPECT_NEAR(store.sweeps_left(0), at_first, at_first / 10 + 1) << "it is not whole yet";
+  fill(store.panorama_of(name), 2);
+  const int by_the_first = store.sweeps_left(0);
+  EXPECT_GT(by_the_first, at_first);
+  fill(store.folder_of(store.create_capture()) / "frame_000.jpg", 3);
+  EXPECT_NEAR(store.sweeps_left(0), by_the_first, by_the_first / 10 + 1);
+}
+
 TEST_F(CaptureStoreTest, AFolderThatCannotBeMadeIsNamedWithWhatToDo) {
   touch(output_ / "file");
   for (const fs::path& folder : {output_ / "file" / "folder", fs::path("/proc/folder")}) {
