@@ -59,6 +59,25 @@ TEST_F(LdpdTest, ARecordedSessionReplaysThroughLdpWatch) {
   }
 }
 
+TEST_F(LdpdTest, LdpWatchTellsASpeedOnceThereIsOne) {
+  NEEDS_MULTICAST();
+  const std::string url = private_network();
+  const auto publisher = open_status("lcm:" + url);
+  const fs::path printed = room_ / "printed";
+  Process watching(
+      {"bash", "-c",
+       std::string("exec ") + LDP_DEVICE_PROGRAM + " watch --status 'lcm:" + url + "' --count 4 > " + printed.string()},
+      room_ / "watch");
+  for (int i = 0; i < 500 && watching.runs(); ++i) {
+    publisher->publish(Guidance{.frames_chosen = 1});
+    publisher->publish(Guidance{Advice::slower, 1, 0.5, 0, 0.4, 9});
+    std::this_thread::sleep_for(milliseconds(10));
+  }
+  ASSERT_FALSE(watching.runs()) << text_of(printed);
+  EXPECT_THAT(text_of(printed), HasSubstr("guidance  keep going: 0 degrees, 1 frames\n"));
+  EXPECT_THAT(text_of(printed), HasSubstr("guidance  slower: 57 degrees, 29 degrees/s, 9 frames\n"));
+}
+
 // One message a line, as many as were asked for; a log that is at its end before that ends it, too.
 TEST_F(LdpdTest, LdpWatchEndsAfterAsManyMessagesAsWereAskedFor) {
   NEEDS_MULTICAST();

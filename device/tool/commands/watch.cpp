@@ -41,11 +41,12 @@ std::string line_from(const Progress& progress) {
          progress.stage;
 }
 std::string line_from(const Guidance& guidance) {
-  char figures[128];
-  std::snprintf(figures, sizeof figures, "%.0f degrees, %.0f degrees/s, %d frames",
-                guidance.covered_rad * kDegreesPerRadian, guidance.speed_rad_s * kDegreesPerRadian,
-                guidance.frames_chosen);
-  return "guidance  " + std::string(name_of(guidance.advice)) + ": " + figures;
+  char covered[32], speed[32] = "";
+  std::snprintf(covered, sizeof covered, "%.0f degrees", guidance.covered_rad * kDegreesPerRadian);
+  if (const double degrees_s = guidance.speed_rad_s * kDegreesPerRadian; degrees_s >= 0.5)  // none, or none yet
+    std::snprintf(speed, sizeof speed, ", %.0f degrees/s", degrees_s);
+  return "guidance  " + std::string(name_of(guidance.advice)) + ": " + covered + speed + ", " +
+         std::to_string(guidance.frames_chosen) + " frames";
 }
 std::string line_from(const Result& result) {
   std::string line =
