@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 
 #include "core/base/files.h"
 #include "core/consistency/consistency.h"
@@ -70,6 +71,8 @@ void DebugPictures::colour(const std::string& name, const RgbImage& colour) cons
 void DebugPictures::visibility(const std::string& name, const std::vector<VisibilityMap>& maps) const {
   if (!wanted()) return;
   for (size_t i = 0; i < maps.size(); ++i) {
+    char camera[32];
+    std::snprintf(camera, sizeof camera, " camera %03zu", i);
     const Plane<uint16_t>& from = maps[i].inverse_z;
     RgbImage image(from.height, from.width, kAbsent);
     for (int column = 0; column < from.height; ++column)
@@ -78,7 +81,7 @@ void DebugPictures::visibility(const std::string& name, const std::vector<Visibi
         const auto g = static_cast<uint8_t>(std::min(255, from.at(row, column) / 64));
         image.at(column, row) = {g, g, g};
       }
-    write(name + "_camera_" + std::to_string(i), encode_png(image));
+    write(name + camera, encode_png(image));
   }
 }
 

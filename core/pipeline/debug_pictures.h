@@ -23,7 +23,7 @@ class DebugPictures {
   void sources(const std::string& name, const SourceMap& sources) const;           // one hue a frame, absent: black
   void agreement(const std::string& name, const Plane<uint8_t>& agreement) const;  // a colour a class; agrees: white
   void colour(const std::string& name, const RgbImage& colour) const;
-  void visibility(const std::string& name, const std::vector<VisibilityMap>& maps) const;
+  void visibility(const std::string& name, const std::vector<VisibilityMap>& maps) const;  // NAME camera 000 ...
 
  private:
   void write(const std::string& name, const std::vector<uint8_t>& png) const;

@@ -76,8 +76,8 @@ TEST_F(DebugPicturesTest, WhatACameraSeesIsTurnedUpright) {
   maps[1].inverse_z.samples = {64, 128, 0, 65535, 640, 6400};
   maps[0].inverse_z = Plane<uint16_t>(1, 1);
   pictures().visibility("seen", maps);
-  EXPECT_THAT(drawn("seen_camera_0").samples, ElementsAre(kAbsent));
-  const RgbImage image = drawn("seen_camera_1");
+  EXPECT_THAT(drawn("seen camera 000").samples, ElementsAre(kAbsent));
+  const RgbImage image = drawn("seen camera 001");
   ASSERT_EQ(image.width, 2);
   ASSERT_EQ(image.height, 3);
   EXPECT_THAT(image.samples, ElementsAreArray(std::vector<Rgb>{
