@@ -340,6 +340,24 @@ TEST_F(Flow, WhatToDoAboutAFileDependsOnWhetherItIsDamagedEmptyOrOfAnotherKind) 
   }
 }
 
+TEST_F(Flow, APhotoThatIsDamagedOrLeftOutIsNamedWithTheReason) {
+  ASSERT_EQ(ldp({"scene", "room", "-o", path("room"), "--size", "96x72", "--frames", "4", "--arc", "30", "--no-novel"})
+                .status,
+            0);
+  const std::vector<std::string> words{
+      "build", path("room"), "-o", path("a.ldp"), "--cameras", path("room/transforms.json"), "--layers",
+      "1",     "--labels",   "2"};
+  fs::copy_file(path("room/frames/000.png"), path("room/frames/extra.png"));
+  const Outcome built = ldp(words);
+  EXPECT_EQ(built.status, 0) << built.err;
+  EXPECT_THAT(built.out, HasSubstr("4 of 5 photos"));
+  EXPECT_THAT(built.out, HasSubstr("extra.png: left out: no camera was given for it\n"));
+  fs::resize_file(path("room/frames/002.png"), 2000);
+  expect_refusal(words, 2,
+                 "ldp build: " + path("room/frames/002.png") +
+                     ": damaged PNG (the file ends too early): copy it again, or leave it out\n");
+}
+
 TEST_F(Flow, AnOutputThatTheSystemRefusesIsToldWithWhatToDo) {
   expect_refusal(
       {"export", LDP_SOURCE "/tests/golden/tiny.ldp", "-o", "/proc/x.png"}, 1,
