@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/view/view_tuning.h"
@@ -10,9 +11,7 @@
 namespace ldp::view {
 namespace {
 
-// Around a pixel, row by row; of 20.
-constexpr std::array<uint32_t, 9> kWeights = {1, 2, 1, 2, 8, 2, 1, 2, 1};
-constexpr uint32_t kSumOfWeights = 20;
+constexpr std::array<uint32_t, 9> kWeights = {1, 2, 1, 2, 8, 2, 1, 2, 1};  // around a pixel, row by row
 
 // Whether inverse z, which is linear on the screen across a plane, is not from a to b by way of the middle.
 bool is_step(float a, float middle, float b, float least_step) {
@@ -23,16 +22,15 @@ bool is_beside(float inverse_z, float other, float least_step) {
   return std::abs(other - inverse_z) <= kOutlineShare * inverse_z + least_step;
 }
 
-// What a view shows before its outlines are softened.
-struct Sharp {
-  const Plane<float> inverse_z;
-  const RgbImage colour;
-  const Plane<uint8_t> alpha;
+struct Pixels {
+  const Plane<float>& inverse_z;
+  const RgbImage& colour;
+  const Plane<uint8_t>& alpha;
 };
 
 // The pixel and those around it; of the picture's edge, the edge itself beyond it.
 template <class Use>
-void for_neighbours(const Sharp& from, int x, int y, Use use) {
+void for_neighbours(const Pixels& from, int x, int y, Use use) {
   size_t i = 0;
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx)
@@ -59,7 +57,7 @@ void find_steps(const Plane<float>& inverse_z, int y, float least_step, std::vec
 }
 
 // Of its surface there is hardly another pixel around it: chance, or a thread's end.
-bool is_speck(const Sharp& from, int x, int y, float least_step) {
+bool is_speck(const Pixels& from, int x, int y, float least_step) {
   const float own = from.inverse_z.at(x, y);
   int beside = -1;  // itself
   for_neighbours(from, x, y, [&](size_t, size_t pixel) {
@@ -68,24 +66,29 @@ bool is_speck(const Sharp& from, int x, int y, float least_step) {
   return beside <= kSpeckNeighbours;
 }
 
-// A speck counts for nothing.
-Rgb mean_around(const Sharp& from, int x, int y, float least_step, uint32_t& covered) {
-  const bool speck = is_speck(from, x, y, least_step);
-  const float own = from.inverse_z.at(x, y);
+// Of the neighbours that count; of none of these that are covered, the pixel's own.
+template <class Counts>
+Rgb mean_around(const Pixels& from, int x, int y, Counts counts) {
   uint32_t r = 0, g = 0, b = 0, sum = 0;
   for_neighbours(from, x, y, [&](size_t i, size_t pixel) {
-    if (speck && is_beside(own, from.inverse_z.samples[pixel], least_step)) return;
+    if (!counts(pixel)) return;
     const uint32_t weight = kWeights[i] * from.alpha.samples[pixel];
     const Rgb& colour = from.colour.samples[pixel];
     r += weight * colour.r, g += weight * colour.g, b += weight * colour.b, sum += weight;
   });
-  covered = sum;
   if (sum == 0) return from.colour.at(x, y);
   const auto mean = [&](uint32_t channel) { return static_cast<uint8_t>((channel + sum / 2) / sum); };
   return {mean(r), mean(g), mean(b)};
 }
 
-float farthest_around(const Sharp& from, int x, int y) {
+// Whether something is shown on both sides of a hole, which is not at the picture's edge.
+bool is_crack(const Plane<uint8_t>& alpha, int x, int y) {
+  for (const auto& [right, down] : {std::pair(1, 0), {0, 1}, {1, 1}, {1, -1}})
+    if (alpha.at(x - right, y - down) != 0 && alpha.at(x + right, y + down) != 0) return true;
+  return false;
+}
+
+float farthest_around(const Pixels& from, int x, int y) {
   float farthest = INFINITY;
   for_neighbours(from, x, y, [&](size_t, size_t pixel) {
     if (from.inverse_z.samples[pixel] >= 0) farthest = std::min(farthest, from.inverse_z.samples[pixel]);
@@ -95,22 +98,41 @@ float farthest_around(const Sharp& from, int x, int y) {
 
 }  // namespace
 
-void soften_outlines(float least_step, const Job& job, Plane<float>& inverse_z, RgbImage& colour,
-                     Plane<uint8_t>& alpha) {
-  const Sharp from{inverse_z, colour, alpha};
+void close_cracks(float least_step, Plane<float>& inverse_z, RgbImage& colour, Plane<uint8_t>& alpha) {
+  struct Crack {
+    size_t pixel;
+    Rgb colour;
+    float inverse_z;
+  };
+  const Pixels from{inverse_z, colour, alpha};
+  std::vector<Crack> cracks;
+  for (int y = 1; y + 1 < colour.height; ++y)
+    for (int x = 1; x + 1 < colour.width; ++x) {
+      if (alpha.at(x, y) != 0 || !is_crack(alpha, x, y)) continue;
+      const float farthest = farthest_around(from, x, y);
+      const auto counts = [&](size_t pixel) { return is_beside(farthest, inverse_z.samples[pixel], least_step); };
+      cracks.push_back({colour.index(x, y), mean_around(from, x, y, counts), farthest});
+    }
+  for (const Crack& crack : cracks) {
+    colour.samples[crack.pixel] = crack.colour;
+    inverse_z.samples[crack.pixel] = crack.inverse_z;
+    alpha.samples[crack.pixel] = 255;
+  }
+}
+
+void soften_outlines(float least_step, const Plane<float>& inverse_z, const Plane<uint8_t>& alpha, const Job& job,
+                     RgbImage& colour) {
+  const RgbImage sharp = colour;
+  const Pixels from{inverse_z, sharp, alpha};
   parallel_for(job, colour.height, [&](int y) {
     std::vector<uint8_t> steps;
     find_steps(from.inverse_z, y, least_step, steps);
     for (int x = 0; x < colour.width; ++x) {
-      if (steps[static_cast<size_t>(x)] == 0) continue;
-      uint32_t covered = 0;
-      const Rgb mean = mean_around(from, x, y, least_step, covered);
-      if (from.alpha.at(x, y) == 0) {
-        if (covered * kCrackShare < kSumOfWeights * 255) continue;
-        alpha.at(x, y) = 255;
-        inverse_z.at(x, y) = farthest_around(from, x, y);
-      }
-      colour.at(x, y) = mean;
+      if (steps[static_cast<size_t>(x)] == 0 || alpha.at(x, y) == 0) continue;
+      const float own = inverse_z.at(x, y);
+      const bool speck = is_speck(from, x, y, least_step);
+      const auto counts = [&](size_t pixel) { return !speck || !is_beside(own, inverse_z.samples[pixel], least_step); };
+      colour.at(x, y) = mean_around(from, x, y, counts);
     }
   });
 }

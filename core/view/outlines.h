@@ -1,8 +1,8 @@
 // Outlines of surfaces in a view, as soft as a lens and a sensor show them.
 //
 // A z-buffer gives each pixel to one surface: outlines are stairs, which crawl as the eye moves, and every pixel that a
-// photograph mixed stands on one side of them. So pixels at steps of depth show the mean of the 3x3 around them,
-// and specks of a pixel or two what is around them.
+// photograph mixed stands on one side of them. So pixels at steps of depth show the mean of the 3x3 around them, and
+// specks of a pixel or two what is around them.
 #pragma once
 
 #include "core/base/job.h"
@@ -11,9 +11,13 @@
 namespace ldp::view {
 
 // inverse_z: of every pixel, negative where there is nothing [1 / unit of depth]; least_step: what is a step of depth,
-// at least, in the same unit. Holes stay holes, but for those of a pixel's width, which take the depth of the farthest
-// surface beside them.
-void soften_outlines(float least_step, const Job& job, Plane<float>& inverse_z, RgbImage& colour,
-                     Plane<uint8_t>& alpha);
+// at least, in the same unit.
+
+// Holes of a pixel's width show the farthest surface beside them.
+void close_cracks(float least_step, Plane<float>& inverse_z, RgbImage& colour, Plane<uint8_t>& alpha);
+
+// Holes stay as they are.
+void soften_outlines(float least_step, const Plane<float>& inverse_z, const Plane<uint8_t>& alpha, const Job& job,
+                     RgbImage& colour);
 
 }  // namespace ldp::view

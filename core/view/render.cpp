@@ -105,10 +105,15 @@ View view::draw_view(const std::vector<const MeshTile*>& tiles, const PanoramaGr
     store(*strip, rendered, inverse_z);
     strip_pool.give_back(std::move(strip));
   });
-  if (options.fill == Fill::background)
-    rendered.invented_share = fill_background(inverse_z, rendered.colour, rendered.alpha);
   const auto step = static_cast<float>(surface_slack(grid, kOutlineParallaxPx));
-  soften_outlines(step, job, inverse_z, rendered.colour, rendered.alpha);
+  close_cracks(step, inverse_z, rendered.colour, rendered.alpha);
+  if (options.fill == Fill::background) {
+    const Plane<float> behind = background_behind_holes(inverse_z, rendered.alpha);
+    rendered.invented_share = fill_background(inverse_z, rendered.colour, rendered.alpha);
+    soften_outlines(step, behind, rendered.alpha, job, rendered.colour);
+  } else {
+    soften_outlines(step, inverse_z, rendered.alpha, job, rendered.colour);
+  }
   if (options.depth) rendered.depth = depth_of(std::move(inverse_z));
   return rendered;
 }

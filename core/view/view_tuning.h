@@ -1,8 +1,6 @@
 // Tuned constants of views that are no options: unit, meaning and range. What was measured: decisions.md.
 #pragma once
 
-#include <cstdint>
-
 namespace ldp::view {
 
 // Surfaces (prepared_layer.h). What a slanted one may change from one pixel to the next: a share of its inverse depth
@@ -41,11 +39,10 @@ constexpr int kZoomSteps = 4, kAimings = 3;
 constexpr double kReaches[] = {1, 0.7, 0.5, 0.35, 0.2};
 
 // Outlines (outlines.h). Inverse depths side by side bend at a step by more than this share of themselves (.03 .. .15)
-// plus this many pixels of parallax over one arc radius (.5 .. 2); a hole of which one part in so many around it is
-// covered is a crack; a pixel with at most so many of its eight neighbours on its surface (0 .. 2) is a speck.
+// plus this many pixels of parallax over one arc radius (.5 .. 2); a pixel with at most so many of its eight neighbours
+// on its surface (0 .. 2) is a speck.
 constexpr float kOutlineShare = 0.06F;
 constexpr double kOutlineParallaxPx = 0.75;
-constexpr uint32_t kCrackShare = 4;
 constexpr int kSpeckNeighbours = 1;
 
 // Inpainting (inpainting.h).
