@@ -10,6 +10,7 @@ RenderedPhoto RenderedPhotos::take(size_t camera, const Job& job, const std::vec
   exposure_of(camera).apply(taken.photo);
   RenderOptions options;
   options.depth = true;
+  options.outlines = false;  // colours are drawn to the photographs surface by surface
   taken.view = renderer_.render(panorama_.cameras[camera], options, job);
   return taken;
 }

@@ -9,6 +9,8 @@ namespace {
 
 using namespace view;  // tuned constants
 
+constexpr RenderOptions kGlance{.outlines = false};  // a crack of a small view is wide in a full one
+
 class Framing {
  public:
   Framing(const LayeredPanorama& panorama, const Renderer& renderer, const CameraPathOptions& path, const Job& job)
@@ -51,7 +53,7 @@ class Framing {
 
   bool fits() const {
     for (const Camera& camera : camera_path(panorama_, path_))
-      if (unseen(renderer_.render(camera, {}, job_)) > kUnseen) return false;
+      if (unseen(renderer_.render(camera, kGlance, job_)) > kUnseen) return false;
     return true;
   }
 
@@ -67,7 +69,7 @@ class Framing {
     double seen = 0, right = 0, down = 0;
     const std::vector<Camera> cameras = camera_path(panorama_, path_);
     for (const Camera& camera : cameras) {
-      const View view = renderer_.render(camera, {}, job_);
+      const View view = renderer_.render(camera, kGlance, job_);
       for (int y = 0; y < view.alpha.height; ++y)
         for (int x = 0; x < view.alpha.width; ++x)
           if (!is_hole(view.alpha.at(x, y))) ++seen, right += x + 0.5, down += y + 0.5;

@@ -13,13 +13,15 @@ namespace {
 
 constexpr std::array<uint32_t, 9> kWeights = {1, 2, 1, 2, 8, 2, 1, 2, 1};  // around a pixel, row by row
 
-// Whether inverse z, which is linear on the screen across a plane, is not from a to b by way of the middle.
-bool is_step(float a, float middle, float b, float least_step) {
-  return std::abs(a + b - 2 * middle) > kOutlineShare * std::max(std::max(a, b), middle) + least_step;
+// Whether inverse z bends from a to b by way of the middle; across a plane it is linear on the screen. Holes bend
+// nothing.
+bool is_bend(float a, float middle, float b, float least_step) {
+  return std::min(std::min(a, b), middle) >= 0 &&
+         std::abs(a + b - 2 * middle) > kOutlineShare * std::max(std::max(a, b), middle) + least_step;
 }
 
 bool is_beside(float inverse_z, float other, float least_step) {
-  return std::abs(other - inverse_z) <= kOutlineShare * inverse_z + least_step;
+  return other >= 0 && std::abs(other - inverse_z) <= kOutlineShare * inverse_z + least_step;
 }
 
 struct Pixels {
@@ -38,22 +40,22 @@ void for_neighbours(const Pixels& from, int x, int y, Use use) {
                                  std::clamp(y + dy, 0, from.colour.height - 1)));
 }
 
-// 1 where the pixels of a row are beside a step of depth.
-void find_steps(const Plane<float>& inverse_z, int y, float least_step, std::vector<uint8_t>& steps) {
+// 1 where inverse z bends at the pixels of a row.
+void find_bends(const Plane<float>& inverse_z, int y, float least_step, std::vector<uint8_t>& bends) {
   const float *above = inverse_z.row(std::max(0, y - 1)), *own = inverse_z.row(y),
               *below = inverse_z.row(std::min(inverse_z.height - 1, y + 1));
   const int last = inverse_z.width - 1;
   const auto look = [&](int left, int x, int right) {
-    const bool across = is_step(own[left], own[x], own[right], least_step),
-               down = is_step(above[x], own[x], below[x], least_step),
-               falling = is_step(above[left], own[x], below[right], least_step),
-               rising = is_step(below[left], own[x], above[right], least_step);
+    const bool across = is_bend(own[left], own[x], own[right], least_step),
+               down = is_bend(above[x], own[x], below[x], least_step),
+               falling = is_bend(above[left], own[x], below[right], least_step),
+               rising = is_bend(below[left], own[x], above[right], least_step);
     return static_cast<uint8_t>(across | down | falling | rising);
   };
-  steps.resize(static_cast<size_t>(inverse_z.width));
-  steps.front() = look(0, 0, std::min(1, last));
-  for (int x = 1; x < last; ++x) steps[static_cast<size_t>(x)] = look(x - 1, x, x + 1);
-  if (last > 0) steps.back() = look(last - 1, last, last);
+  bends.resize(static_cast<size_t>(inverse_z.width));
+  bends.front() = look(0, 0, std::min(1, last));
+  for (int x = 1; x < last; ++x) bends[static_cast<size_t>(x)] = look(x - 1, x, x + 1);
+  if (last > 0) bends.back() = look(last - 1, last, last);
 }
 
 // Of its surface there is hardly another pixel around it: chance, or a thread's end.
@@ -81,10 +83,10 @@ Rgb mean_around(const Pixels& from, int x, int y, Counts counts) {
   return {mean(r), mean(g), mean(b)};
 }
 
-// Whether something is shown on both sides of a hole, which is not at the picture's edge.
-bool is_crack(const Plane<uint8_t>& alpha, int x, int y) {
+// Whether a surface is shown on both sides of a hole, which is not at the picture's edge.
+bool is_crack(const Plane<float>& inverse_z, int x, int y) {
   for (const auto& [right, down] : {std::pair(1, 0), {0, 1}, {1, 1}, {1, -1}})
-    if (alpha.at(x - right, y - down) != 0 && alpha.at(x + right, y + down) != 0) return true;
+    if (inverse_z.at(x - right, y - down) >= 0 && inverse_z.at(x + right, y + down) >= 0) return true;
   return false;
 }
 
@@ -108,7 +110,7 @@ void close_cracks(float least_step, Plane<float>& inverse_z, RgbImage& colour, P
   std::vector<Crack> cracks;
   for (int y = 1; y + 1 < colour.height; ++y)
     for (int x = 1; x + 1 < colour.width; ++x) {
-      if (alpha.at(x, y) != 0 || !is_crack(alpha, x, y)) continue;
+      if (alpha.at(x, y) != 0 || !is_crack(inverse_z, x, y)) continue;
       const float farthest = farthest_around(from, x, y);
       const auto counts = [&](size_t pixel) { return is_beside(farthest, inverse_z.samples[pixel], least_step); };
       cracks.push_back({colour.index(x, y), mean_around(from, x, y, counts), farthest});
@@ -125,10 +127,10 @@ void soften_outlines(float least_step, const Plane<float>& inverse_z, const Plan
   const RgbImage sharp = colour;
   const Pixels from{inverse_z, sharp, alpha};
   parallel_for(job, colour.height, [&](int y) {
-    std::vector<uint8_t> steps;
-    find_steps(from.inverse_z, y, least_step, steps);
+    std::vector<uint8_t> bends;
+    find_bends(from.inverse_z, y, least_step, bends);
     for (int x = 0; x < colour.width; ++x) {
-      if (steps[static_cast<size_t>(x)] == 0 || alpha.at(x, y) == 0) continue;
+      if (bends[static_cast<size_t>(x)] == 0 || alpha.at(x, y) == 0) continue;
       const float own = inverse_z.at(x, y);
       const bool speck = is_speck(from, x, y, least_step);
       const auto counts = [&](size_t pixel) { return !speck || !is_beside(own, inverse_z.samples[pixel], least_step); };

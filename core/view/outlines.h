@@ -1,8 +1,8 @@
 // Outlines of surfaces in a view, as soft as a lens and a sensor show them.
 //
 // A z-buffer gives each pixel to one surface: outlines are stairs, which crawl as the eye moves, and every pixel that a
-// photograph mixed stands on one side of them. So pixels at steps of depth show the mean of the 3x3 around them, and
-// specks of a pixel or two what is around them.
+// photograph mixed stands on one side of them. So pixels at steps of depth show a weighted mean of the 3x3 around
+// them, and specks of a pixel or two what is around them. Depths stay those of the surfaces drawn.
 #pragma once
 
 #include "core/base/job.h"

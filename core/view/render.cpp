@@ -106,14 +106,14 @@ View view::draw_view(const std::vector<const MeshTile*>& tiles, const PanoramaGr
     strip_pool.give_back(std::move(strip));
   });
   const auto step = static_cast<float>(surface_slack(grid, kOutlineParallaxPx));
-  close_cracks(step, inverse_z, rendered.colour, rendered.alpha);
+  if (options.outlines) close_cracks(step, inverse_z, rendered.colour, rendered.alpha);
+  Plane<float> behind;
   if (options.fill == Fill::background) {
-    const Plane<float> behind = background_behind_holes(inverse_z, rendered.alpha);
+    if (options.outlines) behind = background_behind_holes(inverse_z, rendered.alpha);
     rendered.invented_share = fill_background(inverse_z, rendered.colour, rendered.alpha);
-    soften_outlines(step, behind, rendered.alpha, job, rendered.colour);
-  } else {
-    soften_outlines(step, inverse_z, rendered.alpha, job, rendered.colour);
   }
+  if (options.outlines)
+    soften_outlines(step, behind.empty() ? inverse_z : behind, rendered.alpha, job, rendered.colour);
   if (options.depth) rendered.depth = depth_of(std::move(inverse_z));
   return rendered;
 }

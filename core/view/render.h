@@ -3,7 +3,7 @@
 // Takes a panorama and a camera (any pose, distortion honoured); gives colour, alpha and z-depth. Layers are meshes
 // that tear at depth edges, drawn with a z-buffer; the deepest surfaces go on some pixels underneath silhouettes
 // (underlay.h), near ones beyond the photographs' frames (frame_extension.h). Pixels that nothing covers have alpha 0
-// and depth 0.
+// and depth 0. Outlines are mixed (outlines.h).
 #pragma once
 
 #include <cstdint>
@@ -30,6 +30,7 @@ struct RenderOptions {
   int layers = 8;          // draw at most so many of the panorama's layers; with fewer than all nothing is made up
   Fill fill = Fill::none;  // background: continue the background over holes, alpha 255 everywhere
   bool depth = false;      // also return z-depth
+  bool outlines = true;    // close cracks and mix colours at outlines (outlines.h); else every pixel shows one surface
 };
 
 struct View {

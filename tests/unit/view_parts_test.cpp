@@ -157,6 +157,22 @@ TEST(Outlines, HolesStayButForCracks) {
   }
 }
 
+TEST(Outlines, AHoleBetweenSoftRimsOfNoSurfaceIsNoCrack) {
+  Scenery picture;
+  picture.hole(3, 8, 0, 9);
+  for (int y = 0; y < 9; ++y) picture.alpha.at(4, y) = picture.alpha.at(6, y) = 60;
+  picture.soften();
+  for (int y = 0; y < 9; ++y) EXPECT_EQ(picture.alpha.at(5, y), 0);
+}
+
+TEST(Outlines, AFarSurfaceBesideAHoleStaysSharp) {
+  Scenery picture;
+  picture.hole(0, 6, 0, 9);
+  for (int y = 0; y < 9; ++y) picture.colour.at(6, y) = kNearColour;
+  picture.soften();
+  for (int y = 0; y < 9; ++y) EXPECT_EQ(picture.red(6, y), 210);
+}
+
 TEST(Outlines, PicturesOfOnePixelAreNoTrouble) {
   for (const auto& [width, height] : {std::pair(1, 1), {1, 3}, {3, 1}}) {
     Picture picture(width, height, kFarColour);

@@ -123,7 +123,8 @@ void main() {
 
 // The picture over its background, which beyond the panorama's border darkens softly; outlines of surfaces are mixed.
 const COMPOSE_FRAGMENT = `${COMMON}
-uniform sampler2D colours; uniform sampler2D depths; uniform sampler2D background;
+uniform sampler2D colours; uniform sampler2D depths; uniform sampler2D farthest; uniform sampler2D background;
+uniform float slack;
 uniform float leastStep;              // of inverse z-depth
 uniform mat3 axes; uniform vec4 lens; // right, down, forward from the arc's axes; fx, fy, cx, cy [pixels]
 uniform vec4 border;                  // theta in the middle, half its extent; v of the top, of the bottom
@@ -143,11 +144,11 @@ vec3 composed(ivec2 at) {
   return own.rgb + (1.0 - own.a) * light * texelFetch(background, at, 0).rgb;
 }
 float inverseZ(ivec2 at) {
-  float depth = texelFetch(depths, at, 0).r;
-  return depth < 1.0 ? 1.0 - depth : NONE;
+  float depth = texelFetch(depths, at, 0).r, behind = (texelFetch(farthest, at, 0).r - slack) / 1.1;
+  return depth < 1.0 ? 1.0 - depth : behind <= 1.0 ? max(behind, 0.0) : 0.0;
 }
 bool isBeside(float z, float other) { return abs(other - z) <= ${OUTLINE_SHARE} * z + leastStep; }
-bool isStep(ivec2 a, ivec2 middle, ivec2 b) {
+bool isBend(ivec2 a, ivec2 middle, ivec2 b) {
   vec3 z = vec3(inverseZ(a), inverseZ(middle), inverseZ(b));
   return abs(z.x + z.z - 2.0 * z.y) > ${OUTLINE_SHARE} * max(max(z.x, z.z), z.y) + leastStep;
 }
@@ -155,8 +156,8 @@ void main() {
   ivec2 at = ivec2(gl_FragCoord.xy) - corner, size = textureSize(colours, 0);
   at.y = size.y - 1 - at.y;  // the picture's first row is shown at the top
   ivec2 low = clamped(at - 1, size), high = clamped(at + 1, size);
-  bool outline = isStep(ivec2(low.x, at.y), at, ivec2(high.x, at.y)) || isStep(ivec2(at.x, low.y), at, ivec2(at.x, high.y)) ||
-                 isStep(low, at, high) || isStep(ivec2(low.x, high.y), at, ivec2(high.x, low.y));
+  bool outline = isBend(ivec2(low.x, at.y), at, ivec2(high.x, at.y)) || isBend(ivec2(at.x, low.y), at, ivec2(at.x, high.y)) ||
+                 isBend(low, at, high) || isBend(ivec2(low.x, high.y), at, ivec2(high.x, low.y));
   if (!outline) {
     shown = vec4(composed(at), 1.0);
     return;
@@ -171,7 +172,7 @@ void main() {
     float weight = by == ivec2(0) ? 8.0 : by.x * by.y == 0 ? 2.0 : 1.0;
     sum += weight * vec4(composed(from), 1.0);
   }
-  shown = vec4(sum.a > 0.0 ? sum.rgb / sum.a : composed(at), 1.0);
+  shown = vec4(sum.rgb / sum.a, 1.0);
 }`;
 
 /**
@@ -227,15 +228,17 @@ export class BackgroundFill {
   run(picture, camera, near, into) {
     this.gl.bindVertexArray(this.array);
     this.resize(picture.width, picture.height);
-    this.makeRim(picture, FARTHER * near);
+    const farthest = this.makeRim(picture, FARTHER * near);
     this.pullAndPush();
     this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, into.framebuffer);
     this.gl.viewport(into.x, into.y, picture.width, picture.height);
-    this.pass(this.compose, null, { colours: picture.texture, depths: picture.depth, background: this.targets.levels[0].pushed.texture },
+    this.pass(this.compose, null, { colours: picture.texture, depths: picture.depth, farthest: farthest.texture,
+                                     background: this.targets.levels[0].pushed.texture },
               (uniforms) => this.setCompose(uniforms, camera, near, into));
     this.gl.bindVertexArray(null);
   }
 
+  /** @returns {Target} of holes, how near their background may be */
   makeRim(picture, slack) {
     const { levels, spare: [a, b] } = this.targets;
     this.pass(this.begin, a, { colours: picture.texture, depths: picture.depth });
@@ -248,6 +251,7 @@ export class BackgroundFill {
               (uniforms) => this.gl.uniform1f(uniforms.slack, slack));
     this.pass(this.widen, from, { farthest: to.texture });
     this.pass(this.rim, levels[0].pulled, { colours: picture.texture, depths: picture.depth, farthest: from.texture });
+    return to;
   }
 
   pullAndPush() {
@@ -261,6 +265,7 @@ export class BackgroundFill {
 
   setCompose(uniforms, camera, near, { x, y }) {
     const { gl, head } = this;
+    gl.uniform1f(uniforms.slack, FARTHER * near);
     gl.uniform1f(uniforms.leastStep, (near * OUTLINE_PARALLAX_PX * head.vPitch) / (head.radius > 0 ? head.radius : 1));
     gl.uniform2i(uniforms.corner, x, y);
     gl.uniformMatrix3fv(uniforms.axes, true, camera.axes);
