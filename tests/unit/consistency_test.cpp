@@ -79,10 +79,10 @@ LayeredPanorama make_panorama(bool post) {
 struct Pictures : FrameSource {
   std::vector<RgbImage> pictures;
 
-  // What a panorama's cameras see of it.
+  // What a panorama's cameras see of it, surface by surface.
   explicit Pictures(const LayeredPanorama& panorama) {
     const Renderer renderer(panorama);
-    for (const Camera& camera : panorama.cameras) pictures.push_back(renderer.render(camera, {}).colour);
+    for (const Camera& camera : panorama.cameras) pictures.push_back(renderer.render(camera, {.outlines = false}).colour);
   }
   int size() const override { return static_cast<int>(pictures.size()); }
   std::string name(int index) const override { return std::to_string(index); }
