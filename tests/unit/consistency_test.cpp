@@ -82,7 +82,8 @@ struct Pictures : FrameSource {
   // What a panorama's cameras see of it, surface by surface.
   explicit Pictures(const LayeredPanorama& panorama) {
     const Renderer renderer(panorama);
-    for (const Camera& camera : panorama.cameras) pictures.push_back(renderer.render(camera, {.outlines = false}).colour);
+    for (const Camera& camera : panorama.cameras)
+      pictures.push_back(renderer.render(camera, {.outlines = false}).colour);
   }
   int size() const override { return static_cast<int>(pictures.size()); }
   std::string name(int index) const override { return std::to_string(index); }
