@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "core/view/view_tuning.h"
@@ -30,32 +29,25 @@ struct Pixels {
   const Plane<uint8_t>& alpha;
 };
 
-// The pixel and those around it; of the picture's edge, the edge itself beyond it.
+// A pixel that is not at the picture's edge, and those around it.
 template <class Use>
 void for_neighbours(const Pixels& from, int x, int y, Use use) {
   size_t i = 0;
   for (int dy = -1; dy <= 1; ++dy)
-    for (int dx = -1; dx <= 1; ++dx)
-      use(i++, from.colour.index(std::clamp(x + dx, 0, from.colour.width - 1),
-                                 std::clamp(y + dy, 0, from.colour.height - 1)));
+    for (int dx = -1; dx <= 1; ++dx) use(i++, from.colour.index(x + dx, y + dy));
 }
 
-// 1 where inverse z bends at the pixels of a row.
+// 1 where inverse z bends at the pixels of a row; none at the picture's edge.
 void find_bends(const Plane<float>& inverse_z, int y, float least_step, std::vector<uint8_t>& bends) {
-  const float *above = inverse_z.row(std::max(0, y - 1)), *own = inverse_z.row(y),
-              *below = inverse_z.row(std::min(inverse_z.height - 1, y + 1));
-  const int last = inverse_z.width - 1;
-  const auto look = [&](int left, int x, int right) {
-    const bool across = is_bend(own[left], own[x], own[right], least_step),
+  const float *above = inverse_z.row(y - 1), *own = inverse_z.row(y), *below = inverse_z.row(y + 1);
+  bends.assign(static_cast<size_t>(inverse_z.width), 0);
+  for (int x = 1; x + 1 < inverse_z.width; ++x) {
+    const bool across = is_bend(own[x - 1], own[x], own[x + 1], least_step),
                down = is_bend(above[x], own[x], below[x], least_step),
-               falling = is_bend(above[left], own[x], below[right], least_step),
-               rising = is_bend(below[left], own[x], above[right], least_step);
-    return static_cast<uint8_t>(across | down | falling | rising);
-  };
-  bends.resize(static_cast<size_t>(inverse_z.width));
-  bends.front() = look(0, 0, std::min(1, last));
-  for (int x = 1; x < last; ++x) bends[static_cast<size_t>(x)] = look(x - 1, x, x + 1);
-  if (last > 0) bends.back() = look(last - 1, last, last);
+               falling = is_bend(above[x - 1], own[x], below[x + 1], least_step),
+               rising = is_bend(below[x - 1], own[x], above[x + 1], least_step);
+    bends[static_cast<size_t>(x)] = static_cast<uint8_t>(across | down | falling | rising);
+  }
 }
 
 // Of its surface there is hardly another pixel around it: chance, or a thread's end.
@@ -83,11 +75,11 @@ Rgb mean_around(const Pixels& from, int x, int y, Counts counts) {
   return {mean(r), mean(g), mean(b)};
 }
 
-// Whether a surface is shown on both sides of a hole, which is not at the picture's edge.
+// Whether a surface is shown on both sides of a hole, which is not at the picture's edge: left and right, or above and
+// below. (Of a slanting crack, too; across a diagonal the corners of any hole would be.)
 bool is_crack(const Plane<float>& inverse_z, int x, int y) {
-  for (const auto& [right, down] : {std::pair(1, 0), {0, 1}, {1, 1}, {1, -1}})
-    if (inverse_z.at(x - right, y - down) >= 0 && inverse_z.at(x + right, y + down) >= 0) return true;
-  return false;
+  return (inverse_z.at(x - 1, y) >= 0 && inverse_z.at(x + 1, y) >= 0) ||
+         (inverse_z.at(x, y - 1) >= 0 && inverse_z.at(x, y + 1) >= 0);
 }
 
 float farthest_around(const Pixels& from, int x, int y) {
@@ -126,7 +118,8 @@ void soften_outlines(float least_step, const Plane<float>& inverse_z, const Plan
                      RgbImage& colour) {
   const RgbImage sharp = colour;
   const Pixels from{inverse_z, sharp, alpha};
-  parallel_for(job, colour.height, [&](int y) {
+  parallel_for(job, std::max(0, colour.height - 2), [&](int row) {
+    const int y = row + 1;
     std::vector<uint8_t> bends;
     find_bends(from.inverse_z, y, least_step, bends);
     for (int x = 0; x < colour.width; ++x) {

@@ -16,7 +16,7 @@ namespace ldp::view {
 // Holes of a pixel's width show the farthest surface beside them.
 void close_cracks(float least_step, Plane<float>& inverse_z, RgbImage& colour, Plane<uint8_t>& alpha);
 
-// Holes stay as they are.
+// Holes stay as they are, and so do the pixels at the picture's edge.
 void soften_outlines(float least_step, const Plane<float>& inverse_z, const Plane<uint8_t>& alpha, const Job& job,
                      RgbImage& colour);
 

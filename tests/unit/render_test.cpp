@@ -348,12 +348,16 @@ TEST(Render, fills_a_view_of_nothing_with_grey) {
 
 TEST(Render, softens_silhouettes) {
   const PanoramaGrid grid = make_grid(Rays::pushbroom, false);
-  const LayeredPanorama panorama = square_before_background(grid);
-  const View view = Renderer(panorama).render(make_camera(grid, 0, {0.613, 0.017, 0.003}), {});
-  const auto between = std::count_if(view.colour.samples.begin(), view.colour.samples.end(),
-                                     [](Rgb c) { return c.r > 20 && c.r < 235; });
-  EXPECT_GT(between, 60);   // the square's outline is about 160 pixels long
-  EXPECT_LT(between, 480);  // and at most three pixels wide
+  const Renderer renderer(square_before_background(grid));
+  const auto between = [&](bool outlines) {
+    const View view = renderer.render(make_camera(grid, 0, {0.613, 0.017, 0.003}), {.outlines = outlines});
+    return std::count_if(view.colour.samples.begin(), view.colour.samples.end(),
+                         [](Rgb c) { return c.r > 20 && c.r < 235; });
+  };
+  EXPECT_GT(between(false), 60);   // the square's outline is about 160 pixels long
+  EXPECT_LT(between(false), 250);  // and no wider than a pixel
+  EXPECT_GT(between(true), between(false));
+  EXPECT_LT(between(true), 480);  // mixed, at most three
 }
 
 TEST(Render, lets_the_layer_behind_through_by_the_alpha_of_the_one_before) {

@@ -107,7 +107,8 @@ TEST(Outlines, PixelsOnBothSidesOfAStepAreMixed) {
   for (int y = 0; y < 9; ++y)
     for (int x = 6; x < 12; ++x) picture.stand(x, y);
   picture.soften();
-  for (int y = 0; y < 9; ++y) {
+  EXPECT_EQ(picture.red(6, 0), 210);  // at the picture's edge
+  for (int y = 1; y < 8; ++y) {
     EXPECT_EQ(picture.red(4, y), 10);
     EXPECT_EQ(picture.red(5, y), 50);  // 4 parts in 20 of the near one
     EXPECT_EQ(picture.red(6, y), 170);
@@ -126,8 +127,7 @@ TEST(Outlines, ASlantedPlaneStaysSharp) {
     }
   const RgbImage before = picture.colour;
   picture.soften();
-  for (int y = 1; y < 8; ++y)
-    for (int x = 1; x < 11; ++x) EXPECT_EQ(picture.colour.at(x, y), before.at(x, y)) << x << ", " << y;
+  EXPECT_EQ(picture.colour, before);
 }
 
 TEST(Outlines, SpecksVanishAndThreadsStay) {
@@ -171,6 +171,24 @@ TEST(Outlines, AFarSurfaceBesideAHoleStaysSharp) {
   for (int y = 0; y < 9; ++y) picture.colour.at(6, y) = kNearColour;
   picture.soften();
   for (int y = 0; y < 9; ++y) EXPECT_EQ(picture.red(6, y), 210);
+}
+
+TEST(Outlines, WhatAHoleHoldsIsNotMixedIn) {
+  Scenery picture;
+  for (int y = 0; y < 9; ++y)
+    for (int x = 6; x < 12; ++x) picture.stand(x, y);
+  picture.hole(2, 5, 3, 6);
+  picture.soften();
+  EXPECT_EQ(picture.red(5, 2), 52);  // 4 parts of the near one in 19
+}
+
+TEST(Outlines, AHoleIsNoNeighbourOfASpeckInAnyUnit) {
+  Picture picture(12, 9, kNearColour);
+  std::fill(picture.inverse_z.samples.begin(), picture.inverse_z.samples.end(), 50.0F);
+  picture.inverse_z.at(6, 4) = 1, picture.colour.at(6, 4) = kFarColour;
+  picture.hole(3, 6, 3, 6);
+  soften_outlines(3, picture.inverse_z, picture.alpha, {}, picture.colour);
+  EXPECT_EQ(picture.colour.at(6, 4), kNearColour);
 }
 
 TEST(Outlines, PicturesOfOnePixelAreNoTrouble) {

@@ -155,19 +155,21 @@ bool isBend(ivec2 a, ivec2 middle, ivec2 b) {
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy) - corner, size = textureSize(colours, 0);
   at.y = size.y - 1 - at.y;  // the picture's first row is shown at the top
-  ivec2 low = clamped(at - 1, size), high = clamped(at + 1, size);
-  bool outline = isBend(ivec2(low.x, at.y), at, ivec2(high.x, at.y)) || isBend(ivec2(at.x, low.y), at, ivec2(at.x, high.y)) ||
-                 isBend(low, at, high) || isBend(ivec2(low.x, high.y), at, ivec2(high.x, low.y));
+  ivec2 low = at - 1, high = at + 1;
+  bool inside = low == clamped(low, size) && high == clamped(high, size);
+  bool outline = inside && (isBend(ivec2(low.x, at.y), at, ivec2(high.x, at.y)) ||
+                            isBend(ivec2(at.x, low.y), at, ivec2(at.x, high.y)) ||
+                            isBend(low, at, high) || isBend(ivec2(low.x, high.y), at, ivec2(high.x, low.y)));
   if (!outline) {
     shown = vec4(composed(at), 1.0);
     return;
   }
   float own = inverseZ(at);
   int beside = -1;  // of its neighbours, on its surface
-  for (int k = 0; k < 9; k++) beside += isBeside(own, inverseZ(clamped(at + ivec2(k % 3, k / 3) - 1, size))) ? 1 : 0;
+  for (int k = 0; k < 9; k++) beside += isBeside(own, inverseZ(low + ivec2(k % 3, k / 3))) ? 1 : 0;
   vec4 sum = vec4(0.0);
   for (int k = 0; k < 9; k++) {
-    ivec2 by = ivec2(k % 3, k / 3) - 1, from = clamped(at + by, size);
+    ivec2 by = ivec2(k % 3, k / 3) - 1, from = at + by;
     if (beside <= ${SPECK_NEIGHBOURS} && isBeside(own, inverseZ(from))) continue;
     float weight = by == ivec2(0) ? 8.0 : by.x * by.y == 0 ? 2.0 : 1.0;
     sum += weight * vec4(composed(from), 1.0);
