@@ -11,6 +11,7 @@
 #include "core/captures/transforms.h"
 #include "core/photos/images.h"
 #include "sim/npy.h"
+#include "sim/scene/crowd.h"
 #include "sim/scene/random.h"
 #include "sim/scene/scenes.h"
 
@@ -83,9 +84,10 @@ Picture SceneSweep::take(int frame, const Job& job) const {
   picture.noise_seed = random.bits();
   picture.motion_blur_px = options_.blur_px * random.uniform();
   const Camera& camera = cameras_.at(static_cast<size_t>(frame));
-  if (options_.moving_share <= 0) return take_picture(at_rest_, camera, picture, job);
-  return take_picture(Scene(moved(at_rest_.description(), options_.moving_share, frame, options_.seed)), camera,
-                      picture, job);
+  if (options_.moving_share <= 0 && options_.crowd <= 0) return take_picture(at_rest_, camera, picture, job);
+  SceneDescription moment = moved(at_rest_.description(), options_.moving_share, frame, options_.seed);
+  moment = with_crowd(std::move(moment), options_.path, options_.crowd, frame, options_.seed);
+  return take_picture(Scene(std::move(moment)), camera, picture, job);
 }
 
 namespace {

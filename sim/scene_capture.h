@@ -3,8 +3,8 @@
 // Gives in the folder: frames/NNN.png and transforms.json, frames_depth/NNN.npy (float16, infinity = sky),
 // novel/NNN.png, novel.json and novel_depth/NNN.npy, capture.json; around/panorama.png, stereo.png and distance.npy if
 // asked for. Frames suffer from exposure drift, noise, blur and
-// movement as asked; depths are exact for each frame's own moment, and novel views show the scene at rest, as a perfect
-// camera would.
+// movement as asked; depths are exact for each frame's own moment, and novel views show the scene at rest and without
+// people who walk by, as a perfect camera would.
 #pragma once
 
 #include <filesystem>
@@ -26,6 +26,7 @@ struct SceneCaptureOptions {
   double noise = 0;           // deviation in 8-bit levels
   double blur_px = 0;         // longest motion blur; every frame gets a random share of it
   double moving_share = 0;    // of figures and leaves, that move from frame to frame
+  double crowd = 0;           // share of the fullest picture that people who walk by hide (crowd.h)
   uint32_t seed = 1;          // of the scene, the hand's jitter and the noise
   bool novel_views = true;
   SurroundOptions around;  // what is seen all around from the arc's centre; of width 0: it is left out

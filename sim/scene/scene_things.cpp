@@ -39,16 +39,18 @@ void tree(SceneBuilder& b, const Vector3d& foot, double height, int leaves) {
           0.05 * height + 0.03);
 }
 
-// About 1.75 m tall, facing the origin.
-void figure(SceneBuilder& b, const Vector3d& foot) {
-  const double facing = std::atan2(-foot.y(), -foot.x()), tall = b.random.uniform(0.92, 1.06);
+void figure(SceneBuilder& b, const Vector3d& foot) { figure(b, foot, std::atan2(-foot.y(), -foot.x()), 0); }
+
+// About 1.75 m tall.
+void figure(SceneBuilder& b, const Vector3d& foot, double facing, double stride) {
+  const double tall = b.random.uniform(0.92, 1.06);
   const auto cloth = [&] {
     const Vector3f colour{static_cast<float>(b.random.uniform(0.05, 0.6)),
                           static_cast<float>(b.random.uniform(0.05, 0.5)),
                           static_cast<float>(b.random.uniform(0.05, 0.6))};
     return b.material(Pattern::cloth, 0.35F * colour, (1.5F * colour).cwiseMin(0.9F), b.random.uniform(0.06, 0.2));
   };
-  const Vector3d side = yawed(facing) * Vector3d::UnitY();
+  const Vector3d side = yawed(facing) * Vector3d::UnitY(), swing = std::sin(stride) * polar(facing, 0.28, 0);
   const Material coat = cloth(), trousers = cloth();
   const Material skin = b.material(Pattern::mottled, {0.36F, 0.2F, 0.13F}, {0.72F, 0.5F, 0.38F}, 0.08);
   const Material hair = b.material(Pattern::mottled, {0.03F, 0.02F, 0.015F}, {0.25F, 0.16F, 0.09F}, 0.05);
@@ -56,11 +58,11 @@ void figure(SceneBuilder& b, const Vector3d& foot) {
     return Vector3d(foot + sideways * side + Vector3d(0, 0, height * tall));
   };
   b.new_group();
-  b.rod(at(-0.1, 0), at(-0.1, 0.85), 0.085, trousers);
-  b.rod(at(0.1, 0), at(0.1, 0.85), 0.085, trousers);
+  b.rod(at(-0.1, 0) + swing, at(-0.1, 0.85), 0.085, trousers);
+  b.rod(at(0.1, 0) - swing, at(0.1, 0.85), 0.085, trousers);
   b.ellipsoid(at(0, 1.12), {0.17, 0.25, 0.38 * tall}, facing, coat);
-  b.rod(at(-0.27, 0.8), at(-0.24, 1.38), 0.055, coat);
-  b.rod(at(0.27, 0.8), at(0.24, 1.38), 0.055, coat);
+  b.rod(at(-0.27, 0.8) - swing, at(-0.24, 1.38), 0.055, coat);
+  b.rod(at(0.27, 0.8) + swing, at(0.24, 1.38), 0.055, coat);
   b.ellipsoid(at(0, 1.62), {0.1, 0.085, 0.13}, facing, skin);
   b.ellipsoid(at(0, 1.68) - 0.025 * Vector3d(std::cos(facing), std::sin(facing), 0), {0.105, 0.095, 0.1}, facing, hair);
   b.fixed();

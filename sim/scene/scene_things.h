@@ -9,7 +9,8 @@ namespace ldp::scene {
 // Outdoors.
 void foliage(SceneBuilder& b, const Vector3d& centre, const Vector3d& spread, int count, double leaf_length);
 void tree(SceneBuilder& b, const Vector3d& foot, double height, int leaves);
-void figure(SceneBuilder& b, const Vector3d& foot);
+void figure(SceneBuilder& b, const Vector3d& foot);                                // stands, facing the origin
+void figure(SceneBuilder& b, const Vector3d& foot, double facing, double stride);  // walks: a step each half turn
 void house(SceneBuilder& b, double angle, double distance, const Vector3d& half);
 void houses(SceneBuilder& b, int count, double nearest, double farthest);
 void railing(SceneBuilder& b, double radius, double from, double to, double spacing);

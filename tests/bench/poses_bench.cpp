@@ -3,8 +3,8 @@
 //   poses_bench                            the table over every data set
 //   poses_bench --sweeps N [--first SEED] [--size WxH] [--scene NAME] [--cache DIR] [--fov-factor FACTOR]
 //               [--crowd SHARE]              N synthetic sweeps of every kind, a table and the failures by name; the
-//                                          field of view is told so many times too wide, or not at all; figures that
-//                                          walk before the scene hide up to that share (0 .. 0.5) of every picture
+//                                          field of view is told so many times too wide, or not at all; people who walk
+//                                          by hide that share (0 .. 0.5) of each sweep's fullest picture
 //   poses_bench FOLDER [--fov DEGREES] [--cameras transforms.json] [--threads N] [-o transforms.json] [-v]
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -220,75 +220,14 @@ void run_all(Arguments arguments) {
   }
 }
 
-// People that walk round the camera while it turns: a ring of figures, each of a texture and a pace of its own, that
-// hide `share` of a picture on average. Every fourth keeps pace with the sweep: nothing moves as evidently as that.
-class Crowd {
- public:
-  Crowd(const std::vector<Camera>& cameras, double share, unsigned seed) : cameras_(cameras) {
-    if (share <= 0) return;
-    const Intrinsics& k = cameras.front().intrinsics;
-    const double view = 2 * std::atan(0.5 * k.width / k.fx);
-    width_rad_ = 0.12 * view;
-    const auto count = static_cast<size_t>(2 * std::numbers::pi * share / (width_rad_ * kHeight)) + 1;
-    std::mt19937 random(seed);
-    const auto uniform = [&](double low, double high) {
-      return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
-    };
-    for (size_t i = 0; i < count; ++i) {
-      const double pace = i % 4 == 0 ? 0.06 * view : uniform(-0.08, 0.08) * view;
-      figures_.push_back(
-          {uniform(-std::numbers::pi, std::numbers::pi), pace, uniform(0.15, 0.35), static_cast<unsigned>(random())});
-    }
-  }
-
-  void walk(int frame, RgbImage& image) const {
-    const Camera& camera = cameras_[static_cast<size_t>(frame)];
-    const Eigen::Vector3d forward = camera.pose.world_from_camera.col(2);
-    const double looks = std::atan2(forward.y(), forward.x());
-    for (const Figure& figure : figures_) {
-      const double beside = std::remainder(looks - figure.azimuth - figure.pace * frame, 2 * std::numbers::pi);
-      if (std::abs(beside) > 0.9) continue;
-      const double scale = static_cast<double>(image.width) / camera.intrinsics.width;
-      const double middle = 0.5 * image.width + scale * camera.intrinsics.fx * std::tan(beside);
-      paint(figure, middle, scale * camera.intrinsics.fx * width_rad_, image);
-    }
-  }
-
- private:
-  static constexpr double kHeight = 0.75;  // of the picture
-  struct Figure {
-    double azimuth, pace;  // radians, a frame
-    double top;            // of the picture
-    unsigned texture;
-  };
-
-  // Patches of flat colour, a sixth of the figure wide: corners that any detector finds.
-  static void paint(const Figure& figure, double middle, double width, RgbImage& image) {
-    const double left = middle - 0.5 * width, patch = std::max(2.0, width / 6), top = figure.top * image.height;
-    for (int y = static_cast<int>(top); y < std::min<double>(image.height, top + kHeight * image.height); ++y) {
-      for (int x = std::max(0, static_cast<int>(left)); x < std::min<double>(image.width, left + width); ++x) {
-        const auto u = static_cast<unsigned>((x - left + 1) / patch), v = static_cast<unsigned>((y - top) / patch);
-        unsigned hash = (u * 73856093U) ^ (v * 19349663U) ^ figure.texture;
-        hash = (hash ^ (hash >> 13)) * 2654435761U;
-        image.at(x, y) = {static_cast<uint8_t>(hash >> 24), static_cast<uint8_t>(hash >> 16),
-                          static_cast<uint8_t>(hash >> 8)};
-      }
-    }
-  }
-
-  const std::vector<Camera>& cameras_;
-  double width_rad_ = 0;
-  std::vector<Figure> figures_;
-};
-
 // Synthetic photographs, rendered when they are asked for, or taken from a folder that an earlier run left them in:
 // rendering takes ten times as long as posing.
 class Synthetic : public FrameSource {
  public:
-  Synthetic(const SceneCaptureOptions& options, const fs::path& cache, double crowd)
-      : sweep_(options), crowd_(sweep_.cameras(), crowd, options.seed) {
+  Synthetic(const SceneCaptureOptions& options, const fs::path& cache) : sweep_(options) {
     if (cache.empty()) return;
-    cache_ = cache / (options.scene + "_" + std::to_string(options.seed) + "_" + std::to_string(options.path.width));
+    cache_ = cache / (options.scene + "_" + std::to_string(options.seed) + "_" + std::to_string(options.path.width) +
+                      (options.crowd > 0 ? "_crowd" + std::to_string(options.crowd) : ""));
     fs::create_directories(cache_);
   }
   int size() const override { return static_cast<int>(sweep_.cameras().size()); }
@@ -298,7 +237,6 @@ class Synthetic : public FrameSource {
     const bool cached = !cache_.empty() && fs::exists(file);
     RgbImage image = cached ? read_image(file) : sweep_.take(i, Job{}).colour;
     if (!cached && !cache_.empty()) write_file(file, encode_png(image));
-    crowd_.walk(i, image);
     return image;
   }
   std::optional<double> focal_hint(int) const override { return std::nullopt; }
@@ -306,7 +244,6 @@ class Synthetic : public FrameSource {
 
  private:
   SceneSweep sweep_;
-  Crowd crowd_;
   fs::path cache_;
 };
 
@@ -344,20 +281,15 @@ SceneCaptureOptions random_sweep(unsigned seed, const std::string& scene) {
   return options;
 }
 
-// From sweep to sweep more and less of it.
-double crowd_of(unsigned seed, const Arguments& arguments) {
-  std::mt19937 random(seed + 1'000'000U);
-  return between(random, 0, arguments.crowd);
-}
-
 bool run_sweep(unsigned seed, const Arguments& arguments) {
   SceneCaptureOptions options = random_sweep(seed, arguments.scene);
   SweepPath& path = options.path;
   path.width = arguments.width, path.height = arguments.height;
+  options.crowd = arguments.crowd;
   std::printf("%3u %-10s arc %3.0f fov %2.0f frames %2d radius %.2f jitter %.1f cm %.1f deg: ", seed,
               options.scene.c_str(), path.arc_rad / kDegree, path.fov_rad / kDegree, path.frames, path.radius,
               100 * path.position_jitter, path.angle_jitter_rad / kDegree);
-  const Synthetic source(options, arguments.cache, crowd_of(seed, arguments));
+  const Synthetic source(options, arguments.cache);
   Job job;
   job.threads = arguments.threads;
   bool good = false;

@@ -385,7 +385,7 @@ TEST_F(Flow, NanIsNoNumberToAnyOption) {
   expect_refusal({"render", path("a.ldp"), "--path", "sway", "-o", path("views"), "--fov", "nan"}, 2,
                  "--fov: Value nan");
   for (const char* option : {"--arc", "--radius", "--fov", "--k1", "--jitter-position", "--jitter-angle",
-                             "--exposure-drift", "--noise", "--blur", "--moving"})
+                             "--exposure-drift", "--noise", "--blur", "--moving", "--crowd"})
     expect_refusal({"scene", "room", "-o", path("room"), option, "nan"}, 2, std::string(option) + ": Value nan");
   expect_refusal({"scene", "room", "-o", path("room"), "--arc", "361"}, 2, "not in range");
 }

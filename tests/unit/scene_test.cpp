@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "sim/npy.h"
+#include "sim/scene/crowd.h"
 #include "sim/scene/picture.h"
 #include "sim/scene/random.h"
 #include "sim/scene/scenes.h"
@@ -144,6 +145,53 @@ TEST(Scene, MovesOnlyTheShareThatWasAskedFor) {
   EXPECT_EQ(moved_count(0), 0U);
   EXPECT_GT(moved_count(0.5), 0U);
   EXPECT_LT(moved_count(0.5), moved_count(1));
+}
+
+// Of each picture of a sweep, the share that changes when people walk by.
+std::vector<double> hidden_shares(double crowd) {
+  SceneCaptureOptions options;
+  options.path.frames = 9, options.path.arc_rad = 2, options.path.width = 120, options.path.height = 90;
+  options.path.position_jitter = options.path.angle_jitter_rad = 0;
+  const SceneSweep empty(options);
+  options.crowd = crowd;
+  const SceneSweep crowded(options);
+  std::vector<double> shares;
+  for (int i = 0; i < options.path.frames; ++i) {
+    const RgbImage without = empty.take(i, {}).colour, with = crowded.take(i, {}).colour;
+    double changed = 0;
+    for (size_t k = 0; k < with.samples.size(); ++k) changed += with.samples[k] == without.samples[k] ? 0 : 1;
+    shares.push_back(changed / static_cast<double>(with.samples.size()));
+  }
+  return shares;
+}
+
+TEST(Crowd, HidesAboutTheShareThatWasAskedForOfTheFullestPicture) {
+  for (const double share : {0.15, 0.3}) {
+    const std::vector<double> hidden = hidden_shares(share);
+    EXPECT_NEAR(*std::max_element(hidden.begin(), hidden.end()), share, 0.3 * share) << share;
+    EXPECT_GT(*std::min_element(hidden.begin(), hidden.end()), 0) << share;
+  }
+  EXPECT_EQ(hidden_shares(0), std::vector<double>(9, 0.0));
+}
+
+TEST(Crowd, WalksOnFromFrameToFrameAndStandsNowhereInThePhotographersWay) {
+  const SweepPath path;
+  const SceneDescription empty = make_scene("terrace", 1);
+  const auto walkers = [&](int frame) {
+    std::vector<Vector3d> places;
+    const SceneDescription crowded = with_crowd(empty, path, 0.3, frame, 1);
+    for (size_t i = empty.objects.size(); i < crowded.objects.size(); ++i) places.push_back(crowded.objects[i].centre);
+    return places;
+  };
+  const std::vector<Vector3d> first = walkers(0), later = walkers(1);
+  ASSERT_EQ(first.size(), later.size());
+  ASSERT_GT(first.size(), 20U);
+  for (size_t i = 0; i < first.size(); ++i) {
+    EXPECT_NE(first[i], later[i]);
+    EXPECT_LT((first[i] - later[i]).norm(), 1);
+    EXPECT_GT(first[i].head<2>().norm(), path.radius + 0.8);
+  }
+  EXPECT_EQ(walkers(1), later);
 }
 
 TEST(Picture, IsTheSameWithAnyNumberOfThreads) {

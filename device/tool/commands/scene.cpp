@@ -123,6 +123,10 @@ void add_scene(Program& program) {
   app.add_option("--moving", command->scene.moving_share, "Share of figures and leaves that move")
       ->check(number_within(0.0, 1.0))
       ->capture_default_str();
+  app.add_option("--crowd", command->scene.crowd,
+                 "Share that people who walk by hide of the photo that has most of them")
+      ->check(number_within(0.0, 0.5))
+      ->capture_default_str();
   app.add_option("--seed", command->scene.seed, "Of the scene, the hand and the noise")
       ->check(CLI::Range(uint32_t{0}, std::numeric_limits<uint32_t>::max()))
       ->capture_default_str();

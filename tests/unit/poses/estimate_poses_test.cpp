@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "sim/scene/crowd.h"
 #include "sim/scene/picture.h"
 #include "sim/scene/scenes.h"
 #include "sim/scene/sweep_path.h"
@@ -90,6 +91,34 @@ TEST(EstimatePoses, PosesEveryFrameOfASyntheticSweep) {
         poses.cameras[i].pose.world_from_camera.transpose() * poses.cameras[0].pose.world_from_camera;
     const Eigen::Matrix3d wanted = truth[i].pose.world_from_camera.transpose() * truth[0].pose.world_from_camera;
     EXPECT_LT(angle_deg(found, wanted), 1);
+  }
+}
+
+// The widest angle between a step of these cameras and the same one of those.
+double worst_step_deg(const std::vector<Camera>& found, const std::vector<Camera>& truth) {
+  double worst = 0;
+  for (size_t i = 1; i < truth.size(); ++i) {
+    const auto step = [i](const std::vector<Camera>& c) {
+      return Eigen::Matrix3d(c[i - 1].pose.world_from_camera.transpose() * c[i].pose.world_from_camera);
+    };
+    worst = std::max(worst, angle_deg(step(found), step(truth)));
+  }
+  return worst;
+}
+
+TEST(EstimatePoses, AreThoseOfWhatStandsStillWherePeopleWalkBy) {
+  for (const char* name : {"garden", "room"}) {
+    SweepPath path = short_path(0.65);
+    path.arc_rad = 40 * kDegree;
+    const std::vector<Camera> cameras = sweep_cameras(path);
+    std::vector<RgbImage> images;
+    for (size_t i = 0; i < cameras.size(); ++i) {
+      const Scene moment(with_crowd(make_scene(name, 1), path, 0.3, static_cast<int>(i), 1));
+      images.push_back(take_picture(moment, cameras[i], PictureOptions{}, Job{}).colour);
+    }
+    const Poses poses = estimate_poses(Photos(std::move(images)), PosesOptions{}, Job{});
+    ASSERT_EQ(poses.cameras.size(), cameras.size()) << name;
+    EXPECT_LT(worst_step_deg(poses.cameras, cameras), 0.05) << name;
   }
 }
 
