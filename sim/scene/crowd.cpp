@@ -15,15 +15,17 @@ using namespace scene;
 
 namespace {
 
-constexpr double kNearest = 1.2, kFarthest = 4;           // metres beyond the arm
-constexpr double kFastest = 0.45, kStep = 0.7;            // metres, of that a frame
-constexpr double kTall = 1.75, kWide = 0.5, kFull = 0.5;  // metres, and the share of that box that someone fills
-constexpr int kTried = 300;
+constexpr double kNearest = 1.2, kFarthest = 4;  // metres beyond the arm
+constexpr double kFastest = 0.45;                // metres a frame
+constexpr double kStep = 0.7;                    // metres
+constexpr double kTall = 1.75, kWide = 0.5;      // metres
+constexpr double kFilledShare = 0.5;             // of a box as tall and wide, that someone fills
+constexpr int kCandidates = 300;                 // of whom those join that no picture is too full for
 
 struct Walker {
   double distance = 0;  // metres from the axis that all walk round
-  double azimuth = 0;   // at the first frame, growing anticlockwise
-  double pace = 0;      // metres a frame, to growing azimuths
+  double azimuth = 0;   // at the first frame, growing anticlockwise, radians
+  double pace = 0;      // metres a frame, anticlockwise
   double phase = 0;     // of the first step, radians
   uint32_t looks = 0;   // seed
 
@@ -48,13 +50,14 @@ double hidden_share(const Walker& walker, int frame, const Camera& camera) {
   const double ahead = away.dot(camera.pose.world_from_camera.col(2)),
                aside = away.dot(camera.pose.world_from_camera.col(0));
   if (ahead < 0.5) return 0;
-  const auto shown = [ahead](double from, double to, double half_px, double focal) {  // metres, of a side of the box
+  // Of the picture, by a side of the box that goes from here to there, metres.
+  const auto shown = [ahead](double from, double to, double half_px, double focal) {
     const double half = ahead * half_px / focal;
     return std::max(0.0, std::min(to, half) - std::max(from, -half)) / (2 * half);
   };
   const Intrinsics& k = camera.intrinsics;
   const double eye = camera.pose.centre.z();
-  return kFull * shown(aside - 0.5 * kWide, aside + 0.5 * kWide, 0.5 * k.width, k.fx) *
+  return kFilledShare * shown(aside - 0.5 * kWide, aside + 0.5 * kWide, 0.5 * k.width, k.fx) *
          shown(-eye, kTall - eye, 0.5 * k.height, k.fy);
 }
 
@@ -63,10 +66,11 @@ std::vector<Walker> crowd(const SweepPath& path, double share, uint32_t seed) {
   std::vector<double> hidden(cameras.size(), 0);
   std::vector<Walker> walkers;
   Random random(mix_bits(seed) + 17);
-  for (int tried = 0; tried < kTried; ++tried) {
+  for (int i = 0; i < kCandidates; ++i) {
     const Walker walker = make_walker(path, walkers.size() % 4 == 0, random);
     std::vector<double> with = hidden;
-    for (size_t i = 0; i < cameras.size(); ++i) with[i] += hidden_share(walker, static_cast<int>(i), cameras[i]);
+    for (size_t frame = 0; frame < cameras.size(); ++frame)
+      with[frame] += hidden_share(walker, static_cast<int>(frame), cameras[frame]);
     if (*std::max_element(with.begin(), with.end()) > share) continue;
     hidden = with;
     walkers.push_back(walker);

@@ -119,7 +119,7 @@ TEST_F(Files, WhoMayReadAFileMayReadTheOneThatReplacesItAndNobodyElse) {
 }
 
 TEST_F(Files, AFileOfAnotherStaysTheirs) {
-  if (::geteuid() != 0) GTEST_SKIP() << "skipped: only root gives files away";
+  if (::geteuid() != 0) GTEST_SKIP() << "only root gives files away";
   constexpr uid_t kNobody = 65534;
   for (const char* const name : {"written", "moved"}) {
     write_file(folder_ / name, "old");
