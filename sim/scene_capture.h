@@ -26,7 +26,7 @@ struct SceneCaptureOptions {
   double noise = 0;           // deviation in 8-bit levels
   double blur_px = 0;         // longest motion blur; every frame gets a random share of it
   double moving_share = 0;    // of figures and leaves, that move from frame to frame
-  double crowd = 0;           // share of the fullest picture that people who walk by hide (crowd.h)
+  double crowd = 0;           // about the share of the fullest picture that people who walk by hide (crowd.h)
   uint32_t seed = 1;          // of the scene, the hand's jitter and the noise
   bool novel_views = true;
   SurroundOptions around;  // what is seen all around from the arc's centre; of width 0: it is left out

@@ -124,7 +124,8 @@ void add_scene(Program& program) {
       ->check(number_within(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--crowd", command->scene.crowd,
-                 "Share that people who walk by hide of the photo that has most of them")
+                 "People walk by: about the share that they hide of the photo that has most of them; novel views are "
+                 "without them")
       ->check(number_within(0.0, 0.5))
       ->capture_default_str();
   app.add_option("--seed", command->scene.seed, "Of the scene, the hand and the noise")
