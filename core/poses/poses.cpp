@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 
+#include "core/poses/coverage.h"
 #include "core/poses/features/features.h"
 #include "core/poses/pose_doubt.h"
 #include "core/poses/poses_tuning.h"
@@ -244,6 +245,34 @@ Poses to_world(const Reconstruction& found, const SelectedSweep& selected, const
   return poses;
 }
 
+// A sweep's reconstruction and what speaks against it.
+struct Judged {
+  Reconstruction found;
+  Doubt doubted;
+  Coverage covered;
+
+  bool may_be_wrong() const { return doubted.kind != PoseDoubt::none || covered.share() < kMinCoveredShare; }
+};
+
+// What is tracked the longest decides where cameras start, and what keeps pace with them is tracked the longest.
+// Where the reconstruction may be wrong another one starts from tracks taken evenly from all parts of the photos; the
+// one whose points lie in more of these parts stays.
+void reconstruct_again_if_doubtful(const std::function<Judged()>& reconstruct_sweep, std::vector<PairMatches> verified,
+                                   MatchedSweep& sweep, Judged& first) {
+  if (!first.may_be_wrong()) return;
+  std::swap(sweep.pairs, verified);
+  sweep.track_grid = kSpreadTrackGrid;
+  try {
+    Judged second = reconstruct_sweep();
+    if (second.covered.explained > kMinCoverageGain * first.covered.explained) {
+      first = std::move(second);
+      return;
+    }
+  } catch (const Impossible&) {  // the first one was possible, and stays
+  }
+  std::swap(sweep.pairs, verified);
+}
+
 bool is_of_another_lens(double exif_focal) { return std::abs(exif_focal - 1) > kMaxExifFocalError; }
 
 Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs, const PosesOptions& options,
@@ -252,12 +281,23 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
   require_three_fit(frames, unfit);
   SelectedSweep selected = select_sweep(frames, pairs, unfit);
   std::optional<FocalPrior> focal = focal_prior(frames, options);
-  Reconstruction found = reconstruct(selected.sweep, focal, job);
-  const double exif_focal = focal && !options.fov_rad ? focal->focal_px / found.bundle.lens.focal_px : 1;
+  std::vector<std::string> names;
+  for (const int i : selected.frame) names.push_back(frames[static_cast<size_t>(i)].name);
+  const std::vector<PairMatches> verified = selected.sweep.pairs;
+  const auto reconstruct_sweep = [&] {
+    Judged judged{reconstruct(selected.sweep, focal, job), {}, {}};
+    judged.doubted = doubt(selected.sweep, judged.found, names, focal.has_value());
+    judged.covered = coverage(selected.sweep, judged.found);
+    return judged;
+  };
+  Judged judged = reconstruct_sweep();
+  const double exif_focal = focal && !options.fov_rad ? focal->focal_px / judged.found.bundle.lens.focal_px : 1;
   if (is_of_another_lens(exif_focal)) {  // its pull is left away
     focal.reset();
-    found = reconstruct(selected.sweep, focal, job);
+    judged = reconstruct_sweep();
   }
+  reconstruct_again_if_doubtful(reconstruct_sweep, verified, selected.sweep, judged);
+  const Reconstruction& found = judged.found;
   Poses poses = to_world(found, selected, frames, options.arm_length);
   poses.report.motion = found.motion;
   poses.report.closed = found.closed;
@@ -270,11 +310,8 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
   }
   poses.report.exif_focal = exif_focal;
   report_errors(found.bundle, selected.frame, poses.report);
-  std::vector<std::string> names;
-  for (const int i : selected.frame) names.push_back(frames[static_cast<size_t>(i)].name);
-  const Doubt doubted = doubt(selected.sweep, found, names, focal.has_value());
-  poses.report.doubt_kind = doubted.kind;
-  poses.report.doubt = doubted.text;
+  poses.report.doubt_kind = judged.doubted.kind;
+  poses.report.doubt = judged.doubted.text;
   poses.report.agreement = agreement(selected.sweep, found);
   job.report("poses", 1);
   return poses;

@@ -26,6 +26,11 @@ constexpr double kMinKeptShare = 0.9;     // of the inliers among matches, that 
 constexpr int kMaxKltIterations = 4;      // at the wider tolerance, until the focal length
 constexpr double kFocalConverged = 5e-4;  // changes by no more than this share
 
+// Second reconstruction (coverage.h).
+constexpr int kCoverageGrid = 10, kSpreadTrackGrid = 6;  // cells of a photo, each way
+constexpr double kMinCoveredShare = 0.8;   // 0 .. 1, of the cells with matches, that points should explain
+constexpr double kMinCoverageGain = 1.02;  // >= 1: so many times as many must the second one explain
+
 // Known cameras.
 constexpr double kKnownCameraTolerance = 0.005;  // of the longer side: given cameras may be a centimetre off
 constexpr int kKnownCameraNeighbours = 4;        // that each frame is matched with, nearest line of sight first

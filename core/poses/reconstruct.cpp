@@ -140,7 +140,7 @@ class SweepReconstruction {
 
  private:
   bool is_rotation() const { return result_.motion == Motion::rotation; }
-  std::vector<Track> longest() const { return longest_tracks(tracks_, sweep_.frames(), kCoarseObservationsPerFrame); }
+  std::vector<Track> longest() const { return longest_tracks(tracks_, sweep_, kCoarseObservationsPerFrame); }
   double inliers(const Reconstruction& r) const { return inlier_observations(sweep_, tracks_, r, job_); }
 
   void initialise();

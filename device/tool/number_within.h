@@ -2,20 +2,24 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cmath>
+#include <optional>
 #include <string>
 
 namespace ldp {
 
-// CLI::Range, which lets nan pass, without it.
+// None of what is no number, nan among it.
+inline std::optional<double> number_of(const std::string& text) {
+  double value = 0;
+  if (!CLI::detail::lexical_cast(text, value) || std::isnan(value)) return std::nullopt;
+  return value;
+}
+
+// CLI::Range, without nan, which that lets pass.
 inline CLI::Validator number_within(double low, double high) {
   const CLI::Range range(low, high);
   return CLI::Validator(
-      [low, high, range](std::string& text) {
-        double value = 0;
-        if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return std::string();
-        const std::string refusal = range(text);
-        return refusal.empty() ? "Value " + text + " is not a number" : refusal;
-      },
+      [range](std::string& text) { return number_of(text) ? range(text) : "Value " + text + " is not a number"; },
       range.get_description());
 }
 
@@ -24,10 +28,10 @@ inline CLI::Validator zero_or_within(double low, double high) {
   const CLI::Validator within = number_within(low, high);
   return CLI::Validator(
       [within](std::string& text) {
-        double value = 1;
-        if (CLI::detail::lexical_cast(text, value) && value == 0) return std::string();
+        const std::optional<double> number = number_of(text);
+        if (number == 0.0) return std::string();
         const std::string refusal = within(text);
-        return refusal.empty() ? refusal : refusal + " and is not 0";
+        return refusal.empty() || !number ? refusal : refusal + " and is not 0";
       },
       "0 or " + within.get_description());
 }

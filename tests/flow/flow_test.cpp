@@ -388,6 +388,8 @@ TEST_F(Flow, NanIsNoNumberToAnyOption) {
                              "--exposure-drift", "--noise", "--blur", "--moving", "--crowd"})
     expect_refusal({"scene", "room", "-o", path("room"), option, "nan"}, 2, std::string(option) + ": Value nan");
   expect_refusal({"scene", "room", "-o", path("room"), "--arc", "361"}, 2, "not in range");
+  expect_refusal({"scene", "room", "-o", path("room"), "--arc", "0,3"}, 2, "--arc: Value 0,3 is not a number");
+  expect_refusal({"capture", "-o", path("sweep"), "--fov", "0,3"}, 2, "--fov: Value 0,3 is not a number");
 }
 
 TEST_F(Flow, ADepthOnTheWrongSideOfThoseOfThePhotosIsRefusedByItsOption) {

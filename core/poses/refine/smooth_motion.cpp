@@ -22,7 +22,7 @@ void refine_smoothly(const MatchedSweep& sweep, const std::vector<Track>& tracks
   refinement.set_min_arc_sigma(0);
   refinement.fix_distortion();
   for (Pose& pose : r.bundle.cameras) pose.centre = pose.world_from_camera.col(2);
-  const std::vector<Track> coarse = longest_tracks(tracks, sweep.frames(), kCoarseObservationsPerFrame);
+  const std::vector<Track> coarse = longest_tracks(tracks, sweep, kCoarseObservationsPerFrame);
   for (size_t i = 0; i < std::size(kSmoothArcSigmas); ++i)
     refinement.iterate(i + 1 < std::size(kSmoothArcSigmas) ? coarse : tracks, kMatchTolerances_px[i],
                        kSmoothArcSigmas[i], r);

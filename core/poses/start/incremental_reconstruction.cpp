@@ -122,7 +122,7 @@ class IncrementalReconstruction {
 
   void adjust_registered() {
     normalise();
-    const std::vector<Track> chosen = longest_tracks(seen(), sweep_.frames(), kIncrementalObservationsPerFrame);
+    const std::vector<Track> chosen = longest_tracks(seen(), sweep_, kIncrementalObservationsPerFrame);
     triangulate_inliers(chosen, sweep_.pixels(3 * kIncrementalTolerance_px), false, bundle(), job_);
     BundleAdjustmentOptions options;
     options.arc_sigma = kFreeArcSigma;
@@ -236,7 +236,7 @@ std::optional<IncrementalResult> reconstruct_incrementally(const MatchedSweep& s
     options.arc_sigma = kFreeArcSigma;
     options.focal_prior = weak;
     options.loss_px = sweep.pixels(0.5 * kIncrementalTolerance_px);
-    triangulate_inliers(longest_tracks(seen, sweep.frames(), kIncrementalObservationsPerFrame),
+    triangulate_inliers(longest_tracks(seen, sweep, kIncrementalObservationsPerFrame),
                         sweep.pixels(3 * kIncrementalTolerance_px), false, bundle, alone);
     adjust_bundle(bundle, options, alone);
     triangulate_inliers(seen, sweep.pixels(kIncrementalTolerance_px), false, bundle, alone);

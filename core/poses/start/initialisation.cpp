@@ -143,8 +143,8 @@ Bundle initialise_spherical(const MatchedSweep& sweep, const std::vector<Track>&
                             const std::vector<RotationHypothesis>& hypotheses, const std::optional<FocalPrior>& prior,
                             const Job& job) {
   const std::vector<Track> coarse =
-      longest_tracks(static_tracks(sweep, longest_tracks(tracks, sweep.frames(), kStaticCandidates), hypotheses, job),
-                     sweep.frames(), kStartObservationsPerFrame);
+      longest_tracks(static_tracks(sweep, longest_tracks(tracks, sweep, kStaticCandidates), hypotheses, job), sweep,
+                     kStartObservationsPerFrame);
   BundleAdjustmentOptions options = coarse_options(sweep, prior);
   options.arc_sigma = kStartArcSigma;
   Candidate best = best_candidate(sweep, coarse, hypotheses, options, job);
@@ -158,7 +158,7 @@ Bundle initialise_spherical(const MatchedSweep& sweep, const std::vector<Track>&
 Bundle initialise_pure_rotation(const MatchedSweep& sweep, const std::vector<Track>& tracks,
                                 const std::vector<RotationHypothesis>& hypotheses,
                                 const std::optional<FocalPrior>& prior, const Job& job) {
-  const std::vector<Track> coarse = longest_tracks(tracks, sweep.frames(), kStartObservationsPerFrame);
+  const std::vector<Track> coarse = longest_tracks(tracks, sweep, kStartObservationsPerFrame);
   BundleAdjustmentOptions options = coarse_options(sweep, prior);
   options.model = MotionModel::rotation;
   options.refine_distortion = true;

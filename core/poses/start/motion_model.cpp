@@ -106,7 +106,7 @@ bool closes(const MatchedSweep& sweep, const Reconstruction& r) {
 
 bool is_pure_rotation(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job) {
   Bundle rotation = bundle;
-  triangulate_tracks(longest_tracks(tracks, sweep.frames(), kParallaxObservationsPerFrame), rotation);
+  triangulate_tracks(longest_tracks(tracks, sweep, kParallaxObservationsPerFrame), rotation);
   for (InversePoint& point : rotation.points) point.inverse_distance = 0;
   BundleAdjustmentOptions options;
   options.model = MotionModel::rotation;

@@ -1,8 +1,13 @@
 #include "core/poses/tracks/match_graph.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace ldp::sfm {
+
+std::vector<Track> longest_tracks(std::vector<Track> tracks, const MatchedSweep& sweep, int per_frame) {
+  return longest_tracks(std::move(tracks), sweep.features, per_frame, sweep.track_grid);
+}
 
 double MatchedSweep::pixels(double of_800) const {
   return of_800 * std::max(features[0].width, features[0].height) / 800;

@@ -16,6 +16,7 @@ struct MatchedSweep {
   std::vector<GreyPhoto> pictures;  // all of one size
   std::vector<Features> features;
   std::vector<PairMatches> pairs;  // verified
+  int track_grid = 1;              // the longest tracks come evenly from so many by so many cells of each photo
   int unfit = 0;                   // photos that can be no part of it
   std::string first_unfit_name;    // of the first of them
   LeftOut first_unfit;             // and why
@@ -24,6 +25,9 @@ struct MatchedSweep {
   // Tolerances are stated in pixels of a photo 800 pixels long; this is so many pixels of these photos.
   double pixels(double of_800) const;
 };
+
+// Those that do for a coarse start (tracks.h), by the sweep's grid.
+std::vector<Track> longest_tracks(std::vector<Track> tracks, const MatchedSweep& sweep, int per_frame);
 
 bool is_plausible(const InversePoint& point, double nearest = kMaxInverseDistance);
 

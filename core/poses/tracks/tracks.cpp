@@ -101,16 +101,27 @@ std::vector<Track> build_tracks(const std::vector<Features>& features, const std
   return merger.tracks();
 }
 
-std::vector<Track> longest_tracks(std::vector<Track> tracks, int frames, int per_frame) {
+size_t grid_cell(const Eigen::Vector2d& from_middle_px, const Features& photo, int grid) {
+  const auto cell = [&](double px, int size_px) {
+    return static_cast<size_t>(std::clamp(static_cast<int>((px / size_px + 0.5) * grid), 0, grid - 1));
+  };
+  return cell(from_middle_px.y(), photo.height) * static_cast<size_t>(grid) + cell(from_middle_px.x(), photo.width);
+}
+
+std::vector<Track> longest_tracks(std::vector<Track> tracks, const std::vector<Features>& frames, int per_frame,
+                                  int grid) {
+  const size_t cells = static_cast<size_t>(grid * grid);
+  const int share = (per_frame + grid * grid - 1) / (grid * grid);
+  std::vector<int> taken(frames.size() * cells, 0);
+  const auto taken_near = [&](const Observation& o) -> int& {
+    const size_t frame = static_cast<size_t>(o.frame);
+    return taken[frame * cells + grid_cell(o.position_px, frames[frame], grid)];
+  };
   std::stable_sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.size() > b.size(); });
-  std::vector<int> seen(static_cast<size_t>(frames), 0);
   std::vector<Track> chosen;
   for (const Track& track : tracks) {
-    const bool wanted = std::any_of(track.begin(), track.end(), [&](const Observation& o) {
-      return seen[static_cast<size_t>(o.frame)] < per_frame;
-    });
-    if (!wanted) continue;
-    for (const Observation& o : track) ++seen[static_cast<size_t>(o.frame)];
+    if (std::all_of(track.begin(), track.end(), [&](const Observation& o) { return taken_near(o) >= share; })) continue;
+    for (const Observation& o : track) ++taken_near(o);
     chosen.push_back(track);
   }
   return chosen;

@@ -27,7 +27,11 @@ using Track = std::vector<Observation>;  // sorted by frame, one observation per
 // out.
 std::vector<Track> build_tracks(const std::vector<Features>& features, const std::vector<PairMatches>& pairs);
 
-// Longest tracks first, until every frame has its share.
-std::vector<Track> longest_tracks(std::vector<Track> tracks, int frames, int per_frame);
+// Which of grid x grid cells of a photo a place is in, row by row.
+size_t grid_cell(const Eigen::Vector2d& from_middle_px, const Features& photo, int grid);
+
+// Longest tracks first, until each of grid x grid cells of every frame has its share of `per_frame`, or all there are.
+std::vector<Track> longest_tracks(std::vector<Track> tracks, const std::vector<Features>& frames, int per_frame,
+                                  int grid);
 
 }  // namespace ldp::sfm

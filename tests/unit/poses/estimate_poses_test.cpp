@@ -106,20 +106,39 @@ double worst_step_deg(const std::vector<Camera>& found, const std::vector<Camera
   return worst;
 }
 
-TEST(EstimatePoses, AreThoseOfWhatStandsStillWherePeopleWalkBy) {
-  for (const char* name : {"garden", "room"}) {
-    SweepPath path = short_path(0.65);
-    path.arc_rad = 40 * kDegree;
-    const std::vector<Camera> cameras = sweep_cameras(path);
-    std::vector<RgbImage> images;
-    for (size_t i = 0; i < cameras.size(); ++i) {
-      const Scene moment(with_crowd(make_scene(name, 1), path, 0.3, static_cast<int>(i), 1));
-      images.push_back(take_picture(moment, cameras[i], PictureOptions{}, Job{}).colour);
-    }
-    const Poses poses = estimate_poses(Photos(std::move(images)), PosesOptions{}, Job{});
-    ASSERT_EQ(poses.cameras.size(), cameras.size()) << name;
-    EXPECT_LT(worst_step_deg(poses.cameras, cameras), 0.05) << name;
+struct AmongPeople {
+  Poses poses;
+  double worst_step_deg;
+};
+
+AmongPeople posed_among_people(const char* scene, const SweepPath& path, uint32_t seed) {
+  const std::vector<Camera> cameras = sweep_cameras(path);
+  std::vector<RgbImage> images;
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    const Scene moment(with_crowd(make_scene(scene, seed), path, 0.3, static_cast<int>(i), seed));
+    images.push_back(take_picture(moment, cameras[i], PictureOptions{}, Job{}).colour);
   }
+  Poses poses = estimate_poses(Photos(std::move(images)), PosesOptions{}, Job{});
+  const double worst = poses.cameras.size() == cameras.size() ? worst_step_deg(poses.cameras, cameras) : 180;
+  return {std::move(poses), worst};
+}
+
+TEST(EstimatePoses, AreThoseOfWhatStandsStillWherePeopleWalkBy) {
+  SweepPath path = short_path(0.65);
+  path.arc_rad = 40 * kDegree;
+  for (const char* scene : {"garden", "room"})
+    EXPECT_LT(posed_among_people(scene, path, 1).worst_step_deg, 0.05) << scene;
+}
+
+// Tracked the longest are people who keep pace with the camera, and by them it only turned on the spot.
+TEST(EstimatePoses, BelieveWhatExplainsMorePartsOfThePhotosWherePeopleLeadAstray) {
+  SweepPath path = short_path(0.93);
+  path.arc_rad = 60 * kDegree;
+  path.fov_rad = 73 * kDegree;
+  path.seed = 2;
+  const AmongPeople found = posed_among_people("terrace", path, 2);
+  EXPECT_EQ(found.poses.report.motion, Motion::arc);
+  EXPECT_LT(found.worst_step_deg, 0.05);
 }
 
 TEST(EstimatePoses, LeavesAStraightLensStraight) {

@@ -159,5 +159,29 @@ TEST(BuildTracks, JoinsMatchesAndLeavesOutContradictions) {
   for (const Observation& o : tracks[0]) EXPECT_EQ(o.feature, 1);
 }
 
+// A hundred things seen in three photos stand in one cell of them, and one of two photos in every cell.
+TEST(LongestTracks, ComeEvenlyFromAllCellsWhereAsked) {
+  Features photo;
+  photo.width = 600, photo.height = 300;
+  const auto track_at = [](int frames, double x, double y) {
+    Track track;
+    for (int frame = 0; frame < frames; ++frame) track.push_back({frame, 0, {x, y}});
+    return track;
+  };
+  std::vector<Track> tracks;
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < 6; ++column) tracks.push_back(track_at(2, -250 + 100 * column, -125 + 50 * row));
+  }
+  for (int i = 0; i < 100; ++i) tracks.push_back(track_at(3, 210 + 0.8 * i, 101 + 0.4 * i));
+  const auto of_three_photos = [](const Track& track) { return track.size() == 3; };
+  const std::vector<Features> photos(3, photo);
+  const std::vector<Track> longest = longest_tracks(tracks, photos, 72, 1);
+  EXPECT_EQ(longest.size(), 72U);
+  EXPECT_TRUE(std::all_of(longest.begin(), longest.end(), of_three_photos));
+  const std::vector<Track> spread = longest_tracks(tracks, photos, 72, 6);
+  EXPECT_EQ(std::count_if(spread.begin(), spread.end(), of_three_photos), 2);
+  EXPECT_EQ(spread.size(), 2U + 35U);
+}
+
 }  // namespace
 }  // namespace ldp::sfm

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "core/poses/coverage.h"
 #include "core/poses/refine/arc_conditioning.h"
 #include "core/poses/refine/iterative_refinement.h"
 #include "core/poses/refine/resection.h"
@@ -103,6 +104,30 @@ TEST(Doubt, TellsOfALensThatNoCameraHas) {
   EXPECT_THAT(known.doubted(), HasSubstr("field of view"));
   EXPECT_EQ(doubt(known.sweep, known.found, known.names, true).text, "");
   EXPECT_EQ(doubt(known.sweep, known.found, known.names, false).kind, PoseDoubt::lens);
+}
+
+// Matches in all of a row of ten cells, most of them in one; points in that one and its neighbour.
+TEST(Coverage, IsOfCellsAndNotOfPoints) {
+  MatchedSweep sweep;
+  Reconstruction r;
+  sweep.features.resize(3);
+  r.left_out.resize(3);
+  sweep.pairs = {{0, 1, {}}, {1, 2, {}}};
+  for (Features& photo : sweep.features) photo.width = 1000, photo.height = 500;
+  for (int i = 0; i < 30; ++i) {
+    const double x = i < 10 ? 50 + 100 * i : 20 + i;
+    for (Features& photo : sweep.features) photo.positions.emplace_back(x, 25);
+    for (PairMatches& pair : sweep.pairs) pair.matches.push_back({i, i, 0});
+    if (x > 200) continue;
+    const Eigen::Vector2d from_middle(x - 500, 25 - 250);
+    r.tracks.push_back({{0, i, from_middle}, {1, i, from_middle}});
+  }
+  EXPECT_EQ(coverage(sweep, r).explained, 2 * 2);
+  EXPECT_EQ(coverage(sweep, r).matched, 3 * 10);
+  r.left_out[2].cause = LeftOutCause::few_inliers;
+  EXPECT_EQ(coverage(sweep, r).matched, 2 * 10);
+  EXPECT_DOUBLE_EQ(coverage(sweep, r).share(), 0.2);
+  EXPECT_DOUBLE_EQ(coverage(MatchedSweep{}, Reconstruction{}).share(), 1);
 }
 
 TEST(IsIllConditioned, IsAnOpenArcOfWhichNoThirdPhotoComparesSteps) {
