@@ -7,37 +7,37 @@
 namespace ldp::sfm {
 namespace {
 
-// The parts of all photos of which something was noted.
-class Parts {
+// Cells of all photos, and in which of them something lies.
+class OccupiedCells {
  public:
-  explicit Parts(const MatchedSweep& sweep)
-      : sweep_(sweep), noted_(static_cast<size_t>(sweep.frames()) * kCoverageGrid * kCoverageGrid, false) {}
+  explicit OccupiedCells(const MatchedSweep& sweep)
+      : sweep_(sweep), occupied_(static_cast<size_t>(sweep.frames()) * kCoverageGrid * kCoverageGrid, false) {}
 
-  void note(int frame, const Eigen::Vector2d& from_middle_px) {
+  void add(int frame, const Eigen::Vector2d& from_middle_px) {
     const Features& photo = sweep_.features[static_cast<size_t>(frame)];
-    noted_[static_cast<size_t>(frame) * kCoverageGrid * kCoverageGrid +
-           grid_cell(from_middle_px, photo, kCoverageGrid)] = true;
+    occupied_[static_cast<size_t>(frame) * kCoverageGrid * kCoverageGrid +
+              grid_cell(from_middle_px, photo, kCoverageGrid)] = true;
   }
-  int count() const { return static_cast<int>(std::count(noted_.begin(), noted_.end(), true)); }
+  int count() const { return static_cast<int>(std::count(occupied_.begin(), occupied_.end(), true)); }
 
  private:
   const MatchedSweep& sweep_;
-  std::vector<bool> noted_;
+  std::vector<bool> occupied_;
 };
 
 }  // namespace
 
 Coverage coverage(const MatchedSweep& sweep, const Reconstruction& r) {
-  Parts explained(sweep), matched(sweep);
+  OccupiedCells explained(sweep), matched(sweep);
   for (const Track& track : r.tracks) {
-    for (const Observation& o : track) explained.note(o.frame, o.position_px);
+    for (const Observation& o : track) explained.add(o.frame, o.position_px);
   }
-  const auto note_match = [&](int frame, int feature) {
+  const auto add_match = [&](int frame, int feature) {
     if (!r.left_out[static_cast<size_t>(frame)])
-      matched.note(frame, sweep.features[static_cast<size_t>(frame)].centred(feature));
+      matched.add(frame, sweep.features[static_cast<size_t>(frame)].centred(feature));
   };
   for (const PairMatches& pair : sweep.pairs) {
-    for (const Match& match : pair.matches) note_match(pair.a, match.a), note_match(pair.b, match.b);
+    for (const Match& match : pair.matches) add_match(pair.a, match.a), add_match(pair.b, match.b);
   }
   return {explained.count(), matched.count()};
 }

@@ -245,32 +245,25 @@ Poses to_world(const Reconstruction& found, const SelectedSweep& selected, const
   return poses;
 }
 
-// A sweep's reconstruction and what speaks against it.
+// A sweep's reconstruction and what speaks for and against it, by the pairs that it kept.
 struct Judged {
   Reconstruction found;
   Doubt doubted;
   Coverage covered;
+  double agreed = 1;
 
   bool may_be_wrong() const { return doubted.kind != PoseDoubt::none || covered.share() < kMinCoveredShare; }
 };
 
-// What is tracked the longest decides where cameras start, and what keeps pace with them is tracked the longest.
-// Where the reconstruction may be wrong another one starts from tracks taken evenly from all parts of the photos; the
-// one whose points lie in more of these parts stays.
-void reconstruct_again_if_doubtful(const std::function<Judged()>& reconstruct_sweep, std::vector<PairMatches> verified,
-                                   MatchedSweep& sweep, Judged& first) {
-  if (!first.may_be_wrong()) return;
-  std::swap(sweep.pairs, verified);
-  sweep.track_grid = kSpreadTrackGrid;
+// What is tracked the longest decides where cameras start, and what keeps pace with them is tracked the longest. So
+// where the reconstruction may be wrong, one from tracks spread over the photos takes its place if its points are
+// spread over more of them.
+void keep_what_covers_more(const std::function<Judged()>& reconstruct_spread, Judged& first) {
   try {
-    Judged second = reconstruct_sweep();
-    if (second.covered.explained > kMinCoverageGain * first.covered.explained) {
-      first = std::move(second);
-      return;
-    }
+    Judged second = reconstruct_spread();
+    if (second.covered.explained > kMinCoverageGain * first.covered.explained) first = std::move(second);
   } catch (const Impossible&) {  // the first one was possible, and stays
   }
-  std::swap(sweep.pairs, verified);
 }
 
 bool is_of_another_lens(double exif_focal) { return std::abs(exif_focal - 1) > kMaxExifFocalError; }
@@ -284,19 +277,26 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
   std::vector<std::string> names;
   for (const int i : selected.frame) names.push_back(frames[static_cast<size_t>(i)].name);
   const std::vector<PairMatches> verified = selected.sweep.pairs;
-  const auto reconstruct_sweep = [&] {
-    Judged judged{reconstruct(selected.sweep, focal, job), {}, {}};
+  Job again = job;
+  again.progress = {};  // it has been told so far already
+  const auto reconstruct_sweep = [&](const Job& of_this) {
+    Judged judged{reconstruct(selected.sweep, focal, of_this), {}, {}};
     judged.doubted = doubt(selected.sweep, judged.found, names, focal.has_value());
     judged.covered = coverage(selected.sweep, judged.found);
+    judged.agreed = agreement(selected.sweep, judged.found);
     return judged;
   };
-  Judged judged = reconstruct_sweep();
+  Judged judged = reconstruct_sweep(job);
   const double exif_focal = focal && !options.fov_rad ? focal->focal_px / judged.found.bundle.lens.focal_px : 1;
   if (is_of_another_lens(exif_focal)) {  // its pull is left away
     focal.reset();
-    judged = reconstruct_sweep();
+    judged = reconstruct_sweep(again);
   }
-  reconstruct_again_if_doubtful(reconstruct_sweep, verified, selected.sweep, judged);
+  if (judged.may_be_wrong()) {
+    selected.sweep.pairs = verified;
+    selected.sweep.track_grid = kSpreadTrackGrid;
+    keep_what_covers_more([&] { return reconstruct_sweep(again); }, judged);
+  }
   const Reconstruction& found = judged.found;
   Poses poses = to_world(found, selected, frames, options.arm_length);
   poses.report.motion = found.motion;
@@ -312,7 +312,7 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
   report_errors(found.bundle, selected.frame, poses.report);
   poses.report.doubt_kind = judged.doubted.kind;
   poses.report.doubt = judged.doubted.text;
-  poses.report.agreement = agreement(selected.sweep, found);
+  poses.report.agreement = judged.agreed;
   job.report("poses", 1);
   return poses;
 }

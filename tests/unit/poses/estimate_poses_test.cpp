@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "sim/scene/crowd.h"
@@ -109,6 +110,7 @@ double worst_step_deg(const std::vector<Camera>& found, const std::vector<Camera
 struct AmongPeople {
   Poses poses;
   double worst_step_deg;
+  bool progress_fell;
 };
 
 AmongPeople posed_among_people(const char* scene, const SweepPath& path, uint32_t seed) {
@@ -118,9 +120,16 @@ AmongPeople posed_among_people(const char* scene, const SweepPath& path, uint32_
     const Scene moment(with_crowd(make_scene(scene, seed), path, 0.3, static_cast<int>(i), seed));
     images.push_back(take_picture(moment, cameras[i], PictureOptions{}, Job{}).colour);
   }
-  Poses poses = estimate_poses(Photos(std::move(images)), PosesOptions{}, Job{});
+  Job job;
+  double told = 0;
+  bool fell = false;
+  job.progress = [&](std::string_view, double fraction) {
+    fell = fell || fraction < told;
+    told = fraction;
+  };
+  Poses poses = estimate_poses(Photos(std::move(images)), PosesOptions{}, job);
   const double worst = poses.cameras.size() == cameras.size() ? worst_step_deg(poses.cameras, cameras) : 180;
-  return {std::move(poses), worst};
+  return {std::move(poses), worst, fell};
 }
 
 TEST(EstimatePoses, AreThoseOfWhatStandsStillWherePeopleWalkBy) {
@@ -139,6 +148,7 @@ TEST(EstimatePoses, BelieveWhatExplainsMorePartsOfThePhotosWherePeopleLeadAstray
   const AmongPeople found = posed_among_people("terrace", path, 2);
   EXPECT_EQ(found.poses.report.motion, Motion::arc);
   EXPECT_LT(found.worst_step_deg, 0.05);
+  EXPECT_FALSE(found.progress_fell);
 }
 
 TEST(EstimatePoses, LeavesAStraightLensStraight) {
