@@ -119,7 +119,8 @@ double pitch_of(const SmallBuild& small, const BuildOptions& options) {
   double pitch = 1;
   for (GridNeeds needs = needs_of(small, pitch, options); fit_of(needs, options.memory_bytes) != GridFit::fits;
        needs = needs_of(small, pitch, options)) {
-    if (pitch > pipeline::kCoarsest) throw Impossible(why_impossible(needs, options.memory_bytes));
+    if (pitch * options_of(options.effort).pitch_px > pipeline::kCoarsest)
+      throw Impossible(why_impossible(needs, options.memory_bytes));
     pitch *= pipeline::kCoarser;
   }
   return pitch;

@@ -180,8 +180,6 @@ class Build {
       fusion.fuse(before, kIterationsReachPx, job_, layer);
     }
     fusion.fuse(over(std::exchange(unsmoothed_, {}), layer), kPropagationReachPx, job_, layer);
-    for (const int px : effort_.background_px)
-      fusion.fuse(without_silhouettes(grid_, layer, px), kPropagationReachPx, job_, layer);
     const auto offer = [&](int right, int down) {
       fusion.fuse(shifted(grid_, layer, right, down), kPropagationReachPx, job_, layer);
     };

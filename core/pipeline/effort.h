@@ -16,25 +16,25 @@ enum class Effort : uint8_t { fast, standard, best };
 
 struct EffortOptions {
   std::string_view name;  // as on the command line
+  double pitch_px;        // rows of the photos to a row of the panorama, where memory and the file allow it
   int iterations;         // 1 .. 4, see BuildOptions
   int substeps;           // depths tried inside each label's interval, in the last iteration
   int cycles;             // of expansion after message passing, for depth and for colour
   int columns_apart;      // of the photographs' columns, those that are asked the following
-  // Whether something suits them better, pixel by pixel: the farthest surface within so many pixels, then the surfaces
-  // so many pixels above and below, then those so many pixels to the left, the right, above and below.
-  std::span<const int> background_px, upright_px, propagation_px;
+  // Whether something suits them better, pixel by pixel: the surfaces so many pixels above and below, then those so
+  // many pixels to the left, the right, above and below.
+  std::span<const int> upright_px, propagation_px;
 };
 
 namespace efforts {  // figures: decisions.md
 inline constexpr std::array kUprightPx{28};
 inline constexpr std::array kFastPropagationPx{6};
 inline constexpr std::array kStandardPropagationPx{8, 3};
-inline constexpr std::array kBestBackgroundPx{40};
-inline constexpr std::array kBestPropagationPx{16, 8, 4, 2, 12, 6, 3, 1};
+inline constexpr std::array kBestPropagationPx{16, 8, 4, 2};
 inline constexpr std::array<EffortOptions, 3> kTable = {{
-    {"fast", 1, 4, 0, 2, {}, {}, kFastPropagationPx},
-    {"standard", 2, 8, 1, 2, {}, kUprightPx, kStandardPropagationPx},
-    {"best", 2, 16, 1, 1, kBestBackgroundPx, kUprightPx, kBestPropagationPx},
+    {"fast", 1.25, 1, 4, 0, 2, {}, kFastPropagationPx},
+    {"standard", 1.0, 2, 8, 1, 2, kUprightPx, kStandardPropagationPx},
+    {"best", 2.0 / 3, 2, 16, 1, 1, kUprightPx, kBestPropagationPx},
 }};
 }  // namespace efforts
 

@@ -11,6 +11,7 @@
 #include "core/photos/upright_frame.h"
 #include "core/pipeline/build.h"
 #include "core/pipeline/memory_budget.h"
+#include "core/pipeline/pipeline_tuning.h"
 
 namespace ldp {
 
@@ -57,6 +58,7 @@ class GridLayout {
   const BuildOptions& options_;
   std::vector<std::string>& notes_;
   GridOptions wanted_;
+  double coarsest_px_ = pipeline::kCoarsest;  // as pitch_px()
   PanoramaGrid grid_;
   int columns_of_colour_ = 1;
   GridNeeds needs_;  // of the grid laid last

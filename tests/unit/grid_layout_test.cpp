@@ -75,6 +75,35 @@ TEST(GridLayout, IsTheFinestWhereMemoryIsEnough) {
   EXPECT_THAT(laid.notes, IsEmpty());
 }
 
+TEST(GridLayout, IsAsFineAsTheEffortSays) {
+  Laid standard;
+  const PanoramaGrid usual = standard.layout().grid();
+  for (const Effort effort : {Effort::fast, Effort::best}) {
+    const double pitch_px = options_of(effort).pitch_px;
+    Laid laid;
+    laid.options.effort = effort;
+    EXPECT_EQ(laid.layout().pitch_px(), pitch_px);
+    EXPECT_NEAR(laid.layout().grid().width * pitch_px, usual.width, 2);
+    EXPECT_NEAR(laid.layout().grid().height * pitch_px, usual.height, 2);
+    EXPECT_THAT(laid.notes, IsEmpty());
+  }
+  EXPECT_GT(options_of(Effort::fast).pitch_px, 1);
+  EXPECT_LT(options_of(Effort::best).pitch_px, 1);
+}
+
+TEST(GridLayout, IsNoFinerThanMemoryAllowsWhateverTheEffort) {
+  Laid standard, best;
+  const GridLayout usual = standard.layout();
+  best.options.effort = Effort::best;
+  best.options.memory_bytes =
+      expected_memory(usual.grid(), usual.columns_of_colour(), 140 * 80, 9 * 140 * 80, best.options.layers).all;
+  const GridLayout layout = best.layout();
+  EXPECT_GT(layout.pitch_px(), options_of(Effort::best).pitch_px);
+  EXPECT_NEAR(layout.pitch_px(), 1, 0.1);
+  ASSERT_EQ(best.notes.size(), 1U);
+  EXPECT_THAT(best.notes[0], HasSubstr("to fit the memory allowed"));
+}
+
 TEST(GridLayout, IsCoarserWhereTheCameraWalkedForwardAndSaysSo) {
   Laid laid;
   laid.fit.forward = true;
