@@ -36,8 +36,8 @@ struct BuildOptions {
   int block_px = 8;                      // of the depth codes; 0 = uniform codes
   double near_depth = 0, far_depth = 0;  // capture's unit; 0 = from the points
   // Of the whole process from the poses on; what is beyond it goes to scratch_directory or, where even that is not
-  // enough, the panorama is coarser. 0: no coarser than a file asks for, but beyond kEasyMemory large arrays go to
-  // scratch_directory.
+  // enough, the panorama is coarser. 0: no coarser than the effort and a file ask for, but beyond kEasyMemory large
+  // arrays go to scratch_directory.
   size_t memory_bytes = 0;
   std::string scratch_directory;  // a writable folder; empty = everything stays in memory
   PosesOptions poses;

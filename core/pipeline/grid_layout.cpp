@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/panorama/file/ldp_file.h"
+#include "core/pipeline/pipeline_tuning.h"
 #include "core/rectify/rectify.h"
 #include "core/sweep/cost_volume.h"
 
@@ -48,21 +49,21 @@ GridLayout::GridLayout(const Poses& poses, const ArcFit& fit, const BuildOptions
   wanted_.rays = options.rays;
   wanted_.near_depth = options.near_depth;
   wanted_.far_depth = options.far_depth;
-  wanted_.pitch_px = options_of(options.effort).pitch_px;
+  const double usual_px = fit.forward ? kWalkPitch : 1;
+  wanted_.pitch_px = usual_px * options_of(options.effort).pitch_px;
   if (fit.forward) {
-    wanted_.pitch_px *= kWalkPitch, coarsest_px_ *= kWalkPitch;
     notes_.push_back(
         "the camera moved along its line of sight: the panorama is laid round one point, and a row of it spans " +
         in_short(wanted_.pitch_px) + " of the photos'");
   }
-  lay_finest();
+  lay_finest(kCoarsest * usual_px);
   check_range();
 }
 
-void GridLayout::lay_finest() {
+void GridLayout::lay_finest(double coarsest_px) {
   GridFit last = GridFit::fits;
   for (GridFit fit = lay(wanted_); fit != GridFit::fits; fit = lay(wanted_)) {
-    if (wanted_.pitch_px > coarsest_px_) throw Impossible(why_impossible(needs_, options_.memory_bytes));
+    if (wanted_.pitch_px > coarsest_px) throw Impossible(why_impossible(needs_, options_.memory_bytes));
     wanted_.pitch_px *= kCoarser;
     last = fit;
   }

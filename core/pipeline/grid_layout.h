@@ -11,7 +11,6 @@
 #include "core/photos/upright_frame.h"
 #include "core/pipeline/build.h"
 #include "core/pipeline/memory_budget.h"
-#include "core/pipeline/pipeline_tuning.h"
 
 namespace ldp {
 
@@ -47,7 +46,7 @@ class GridLayout {
   std::unique_ptr<ScratchSpace> give_scratch() { return std::move(scratch_); }  // nullptr: everything is in memory
 
  private:
-  void lay_finest();
+  void lay_finest(double coarsest_px);
   void check_range() const;
   GridFit lay(const GridOptions& wanted);
   GridFit fit_laid(const GridOptions& wanted);
@@ -58,7 +57,6 @@ class GridLayout {
   const BuildOptions& options_;
   std::vector<std::string>& notes_;
   GridOptions wanted_;
-  double coarsest_px_ = pipeline::kCoarsest;  // as pitch_px()
   PanoramaGrid grid_;
   int columns_of_colour_ = 1;
   GridNeeds needs_;  // of the grid laid last

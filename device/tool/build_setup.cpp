@@ -112,7 +112,7 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
   command
       .add_option_function<std::string>(
           "--effort", [&build](const std::string& name) { build.effort = *effort_named(name); },
-          "How much work: fast for weak boards, best where time does not matter")
+          "How much work: fast, a coarser panorama, for weak boards; best, a finer one, where time does not matter")
       ->check(CLI::IsMember(effort_names()))
       ->default_str("standard");
   command
