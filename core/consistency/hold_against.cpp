@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <deque>
+#include <functional>
 #include <utility>
 
 #include "core/base/exact_math.h"
@@ -91,10 +92,18 @@ class Holding {
 
   ConsistencyReport run(const AgreementSink& sink) {
     const size_t photos = panorama_.cameras.size();
+    const auto prepare = [&](size_t index) {
+      if (index < photos) renderings_.prepare(index, job_, observers_);
+    };
+    prepare(0);
     for (size_t next = 0; next <= photos; ++next) {  // is rendered; the one before it is compared
       job_.report("consistency", static_cast<double>(next) / static_cast<double>(photos + 1));
       if (next < photos) take(next);
-      if (next > 0) compare(next - 1, sink);
+      const auto meanwhile = [&] { prepare(next + 1); };
+      if (next > 0)
+        compare(next - 1, sink, meanwhile);
+      else
+        meanwhile();
       if (held_.size() > 2) held_.pop_front();
     }
     report_.directions = directions_.report();
@@ -109,7 +118,7 @@ class Holding {
   };
 
   void take(size_t index) {
-    consistency::RenderedPhoto taken = renderings_.take(index, job_, observers_);
+    consistency::RenderedPhoto taken = renderings_.take(job_);
     held_.push_back({index,
                      {&panorama_.cameras[index], std::move(taken.photo), std::move(taken.view.depth)},
                      {std::move(taken.view.colour), std::move(taken.view.alpha)}});
@@ -118,7 +127,7 @@ class Holding {
       observer->rendered(index, held_.back().held, held_.back().rendering, before);
   }
 
-  void compare(size_t index, const AgreementSink& sink) {
+  void compare(size_t index, const AgreementSink& sink, const std::function<void()>& meanwhile) {
     const auto own = std::find_if(held_.begin(), held_.end(), [&](const Taken& t) { return t.index == index; });
     std::vector<const Held*> beside;
     for (const Taken& other : held_)
@@ -133,7 +142,9 @@ class Holding {
     const Classifier classifier(own->held, own->rendering, beside, most_inverse_z(), tolerance, options_.most_depths);
     const int across = (photo.width + kCellPx - 1) / kCellPx, down = (photo.height + kCellPx - 1) / kCellPx;
     std::vector<ResidualStatistics> cells(static_cast<size_t>(across * down));
-    parallel_for(job_, across * down, [&](int cell) {
+    parallel_for(job_, 1 + across * down, [&](int task) {
+      if (task == 0) return meanwhile();
+      const int cell = task - 1;
       cells[static_cast<size_t>(cell)] = classifier.cell(cell % across * kCellPx, cell / across * kCellPx, map);
     });
     for (int cell = 0; cell < across * down; ++cell)

@@ -1,18 +1,24 @@
 #include "core/consistency/rendered_photos.h"
 
+#include <utility>
+
 namespace ldp::consistency {
 RenderedPhotos::RenderedPhotos(const Evidence& evidence, const LayeredPanorama& panorama)
     : evidence_(evidence), panorama_(panorama), local_(panorama.cameras, evidence.gains), renderer_(panorama) {}
 
-RenderedPhoto RenderedPhotos::take(size_t camera, const Job& job, const std::vector<Observer*>& observers) {
-  RenderedPhoto taken{evidence_.frames.load(evidence_.frame_of_camera[camera]), {}};
-  for (Observer* observer : observers) observer->taken(camera, taken.photo);
-  exposure_of(camera).apply(taken.photo);
+void RenderedPhotos::prepare(size_t camera, const Job& job, const std::vector<Observer*>& observers) {
+  camera_ = camera;
+  photo_ = evidence_.frames.load(evidence_.frame_of_camera[camera]);
+  for (Observer* observer : observers) observer->taken(camera, photo_);
+  exposure_of(camera).apply(photo_);
+  renderer_.prepare(panorama_.cameras[camera], job);
+}
+
+RenderedPhoto RenderedPhotos::take(const Job& job) {
   RenderOptions options;
   options.depth = true;
   options.outlines = false;  // colours are drawn to the photographs surface by surface
-  taken.view = renderer_.render(panorama_.cameras[camera], options, job);
-  return taken;
+  return {std::move(photo_), renderer_.render(panorama_.cameras[camera_], options, job)};
 }
 
 PhotoExposure RenderedPhotos::exposure_of(size_t camera) const {

@@ -24,8 +24,11 @@ class RenderedPhotos {
   // Refers to both.
   RenderedPhotos(const Evidence& evidence, const LayeredPanorama& panorama);
 
-  // Of each camera, by rising index. Observers are told of the photograph as it was taken.
-  RenderedPhoto take(size_t camera, const Job& job, const std::vector<Observer*>& observers = {});
+  // Reads a camera's photograph and makes the panorama ready for it: of each camera, by rising index. Observers are
+  // told of the photograph as it was taken.
+  void prepare(size_t camera, const Job& job, const std::vector<Observer*>& observers);
+  // The photograph prepared last, and what is shown in its place.
+  RenderedPhoto take(const Job& job);
 
  private:
   PhotoExposure exposure_of(size_t camera) const;
@@ -34,6 +37,8 @@ class RenderedPhotos {
   const LayeredPanorama& panorama_;
   LocalExposure local_;
   StripRenderer renderer_;
+  size_t camera_ = 0;  // prepared last
+  RgbImage photo_;     // its
 };
 
 }  // namespace ldp::consistency

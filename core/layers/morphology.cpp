@@ -38,9 +38,11 @@ DisparityMap without_silhouettes(const PanoramaGrid& grid, const DisparityMap& l
 
 DisparityMap shifted(const PanoramaGrid& grid, const DisparityMap& layer, int right, int down) {
   DisparityMap result(layer.width, layer.height);
-  for (int x = 0; x < layer.width; ++x) {
-    const int from = column_beside(grid, x + right);
-    for (int y = 0; y < layer.height; ++y) result.at(x, y) = layer.at(from, std::clamp(y + down, 0, layer.height - 1));
+  std::vector<int> from;
+  for (int x = 0; x < layer.width; ++x) from.push_back(column_beside(grid, x + right));
+  for (int y = 0; y < layer.height; ++y) {
+    const uint16_t* row = layer.row(std::clamp(y + down, 0, layer.height - 1));
+    for (int x = 0; x < layer.width; ++x) result.at(x, y) = row[from[static_cast<size_t>(x)]];
   }
   return result;
 }

@@ -1,6 +1,7 @@
 #include "core/layers/proposal_fusion.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdlib>
 #include <functional>
@@ -18,6 +19,14 @@ using namespace tuning;
 enum Change : uint8_t { kSame, kNearer, kFarther };
 
 constexpr size_t kCamerasAtOnce = 4;
+constexpr int kStripColumns = 128;
+
+// Calls use(begin, end) for strips of columns, for some at the same time.
+void for_each_strip(int columns, const Job& job, const std::function<void(int, int)>& use) {
+  parallel_for(job, (columns + kStripColumns - 1) / kStripColumns, [&](int strip) {
+    use(strip * kStripColumns, std::min(columns, (strip + 1) * kStripColumns));
+  });
+}
 
 // Of cameras from `first` to before `end`.
 std::vector<size_t> with_witnesses(const PhotoConsistency& photos, size_t first, size_t end) {
@@ -158,26 +167,28 @@ class Smoothness {
 // That it is smoother counts only where they tell something of it, and where it goes farther: near surfaces would grow
 // into what one photo alone sees beside them.
 void add_smoothness(const PanoramaGrid& grid, const Plane<uint8_t>& changes, const DisparityMap& layer,
-                    const DisparityMap& proposal, int roughness, Plane<int32_t>& gains) {
+                    const DisparityMap& proposal, int roughness, const Job& job, Plane<int32_t>& gains) {
   const int most = std::max(1, static_cast<int>(parallax_steps(grid, kRoughApartPx)));
   const Smoothness smoothness(grid, changes, layer, proposal, most);
   const int edge = grid.wraps ? 0 : 1;
-  for (int x = edge; x + edge < layer.width; ++x)
-    for (int y = 1; y + 1 < layer.height; ++y) {
-      const uint8_t kind = changes.at(y, x);
-      if (kind == kSame) continue;
-      int32_t& gain = gains.at(y, x);
-      int smoother = smoothness.gain(x, y);
-      if (kind == kNearer || gain == 0) smoother = std::min(smoother, 0);
-      gain += roughness * smoother / most;
-    }
+  for_each_strip(layer.width, job, [&](int begin, int end) {
+    for (int x = std::max(begin, edge); x < std::min(end, layer.width - edge); ++x)
+      for (int y = 1; y + 1 < layer.height; ++y) {
+        const uint8_t kind = changes.at(y, x);
+        if (kind == kSame) continue;
+        int32_t& gain = gains.at(y, x);
+        int smoother = smoothness.gain(x, y);
+        if (kind == kNearer || gain == 0) smoother = std::min(smoother, 0);
+        gain += roughness * smoother / most;
+      }
+  });
 }
 
-// Sums of gains over squares, of one kind of change.
+// Sums of gains over squares, of one kind of change: of one column after the other, from `first` on.
 class SquareSums {
  public:
   SquareSums(const PanoramaGrid& grid, const Plane<int32_t>& gains, const Plane<uint8_t>& changes, Change kind,
-             int reach_px, int enough)
+             int reach_px, int enough, int first)
       : grid_(grid),
         gains_(gains),
         changes_(changes),
@@ -185,15 +196,15 @@ class SquareSums {
         reach_px_(reach_px),
         across_px_(grid.wraps ? std::min(reach_px, (grid.width - 1) / 2) : reach_px),
         enough_(enough),
-        next_(-across_px_),
+        first_(first),
+        next_(first - across_px_),
         rows_(static_cast<size_t>(gains.width), 0) {}
 
-  // Calls use(y) for the pixels (x, y) of that kind around which the sum tells enough. For one x after the other, from
-  // 0.
+  // Calls use(y) for the pixels (x, y) of that kind around which the sum tells enough.
   template <class Use>
   void next(int x, Use use) {
     for (; next_ <= x + across_px_; ++next_) add(next_, 1);
-    if (x > 0) add(x - across_px_ - 1, -1);
+    if (x > first_) add(x - across_px_ - 1, -1);
     int64_t sum = 0;
     for (int y = 0; y < std::min(reach_px_, gains_.width); ++y) sum += rows_[static_cast<size_t>(y)];
     for (int y = 0; y < gains_.width; ++y) {
@@ -216,7 +227,7 @@ class SquareSums {
   const Plane<uint8_t>& changes_;
   Change kind_;
   int reach_px_, across_px_;  // up and down; to the sides, where all round counts once
-  int enough_;
+  int enough_, first_;
   int next_;                   // columns below this have been added
   std::vector<int64_t> rows_;  // of the columns within reach
 };
@@ -232,25 +243,29 @@ ProposalFusion::ProposalFusion(const PanoramaGrid& grid, const std::vector<Uprig
     : grid_(grid), frames_(frames), columns_apart_(columns_apart), photos_(grid, frames, columns_apart) {}
 
 void ProposalFusion::fuse(const DisparityMap& proposal, int reach_px, const Job& job, DisparityMap& layer) {
-  const Plane<uint8_t> change = changes(layer, proposal);
+  const Plane<uint8_t> change = changes(layer, proposal, job);
   Plane<int32_t> gain = gains(change, layer, proposal, job);
-  add_smoothness(grid_, change, layer, proposal, tuning::kRoughness / columns_apart_, gain);
-  for (const Change kind : {kNearer, kFarther}) {
-    SquareSums sums(grid_, gain, change, kind, reach_px, tuning::kPreferred / columns_apart_);
-    for (int x = 0; x < layer.width; ++x) sums.next(x, [&](int y) { layer.at(x, y) = proposal.at(x, y); });
-  }
+  add_smoothness(grid_, change, layer, proposal, tuning::kRoughness / columns_apart_, job, gain);
+  for_each_strip(layer.width, job, [&](int begin, int end) {
+    for (const Change kind : {kNearer, kFarther}) {
+      SquareSums sums(grid_, gain, change, kind, reach_px, tuning::kPreferred / columns_apart_, begin);
+      for (int x = begin; x < end; ++x) sums.next(x, [&](int y) { layer.at(x, y) = proposal.at(x, y); });
+    }
+  });
 }
 
 // Stored column by column.
-Plane<uint8_t> ProposalFusion::changes(const DisparityMap& layer, const DisparityMap& proposal) const {
+Plane<uint8_t> ProposalFusion::changes(const DisparityMap& layer, const DisparityMap& proposal, const Job& job) const {
   Plane<uint8_t> columns(layer.height, layer.width, kSame);
   const int tolerance = static_cast<int>(parallax_steps(grid_, tuning::kFusionApartPx));
-  for (int y = 0; y < layer.height; ++y)
-    for (int x = 0; x < layer.width; ++x) {
-      const int own = layer.at(x, y), other = proposal.at(x, y);
-      if (own == kNoDisparity || other == kNoDisparity || std::abs(own - other) <= tolerance) continue;
-      columns.at(y, x) = other > own ? kNearer : kFarther;
-    }
+  for_each_strip(layer.width, job, [&](int begin, int end) {
+    for (int y = 0; y < layer.height; ++y)
+      for (int x = begin; x < end; ++x) {
+        const int own = layer.at(x, y), other = proposal.at(x, y);
+        if (own == kNoDisparity || other == kNoDisparity || std::abs(own - other) <= tolerance) continue;
+        columns.at(y, x) = other > own ? kNearer : kFarther;
+      }
+  });
   return columns;
 }
 
@@ -258,8 +273,12 @@ Plane<uint8_t> ProposalFusion::changes(const DisparityMap& layer, const Disparit
 // stored like the changes [1/kDifferenceSteps grey levels]: over the cameras' pixels that show one under either.
 Plane<int32_t> ProposalFusion::gains(const Plane<uint8_t>& changes, const DisparityMap& layer,
                                      const DisparityMap& proposal, const Job& job) {
-  Hypothesis own(grid_, layer, frames_, columns_apart_, memory_),
-      other(grid_, proposal, frames_, columns_apart_, memory_);
+  std::array<std::unique_ptr<Hypothesis>, 2> both;
+  parallel_for(job, 2, [&](int i) {
+    both[static_cast<size_t>(i)] =
+        std::make_unique<Hypothesis>(grid_, i == 0 ? layer : proposal, frames_, columns_apart_, memory_);
+  });
+  Hypothesis &own = *both[0], &other = *both[1];
   PixelSums sums(layer.width, layer.height);
   const auto changed = [&](uint32_t pixel) { return pixel != kSeesNothing && changes.samples[pixel] != kSame; };
   for_each_camera(photos_, frames_.size(), {&own, &other}, job, [&](size_t camera) {

@@ -27,7 +27,7 @@ class ProposalFusion {
   void fuse(const DisparityMap& proposal, int reach_px, const Job& job, DisparityMap& layer);
 
  private:
-  Plane<uint8_t> changes(const DisparityMap& layer, const DisparityMap& proposal) const;
+  Plane<uint8_t> changes(const DisparityMap& layer, const DisparityMap& proposal, const Job& job) const;
   Plane<int32_t> gains(const Plane<uint8_t>& changes, const DisparityMap& layer, const DisparityMap& proposal,
                        const Job& job);
 

@@ -109,8 +109,12 @@ struct StripRenderer::Prepared {
       if (sees_columns(panorama.grid, camera, begin, std::min(begin + kStripColumns, last_quad())))
         seen.push_back(begin);
     std::erase_if(strips, [&](const auto& s) { return std::find(seen.begin(), seen.end(), s.first) == seen.end(); });
-    for (const int begin : seen)
-      if (!strips.contains(begin)) strips.emplace(begin, strip(begin, job));
+    std::erase_if(seen, [&](int begin) { return strips.contains(begin); });
+    std::vector<view::Mesh> made(seen.size());
+    parallel_for(job, static_cast<int>(seen.size()), [&](int i) {
+      made[static_cast<size_t>(i)] = strip(seen[static_cast<size_t>(i)], job);
+    });
+    for (size_t i = 0; i < seen.size(); ++i) strips.emplace(seen[i], std::move(made[i]));
   }
 };
 
@@ -118,9 +122,13 @@ StripRenderer::StripRenderer(const LayeredPanorama& panorama) : prepared_(new Pr
 
 StripRenderer::~StripRenderer() = default;
 
-View StripRenderer::render(const Camera& camera, const RenderOptions& options, const Job& job) {
+void StripRenderer::prepare(const Camera& camera, const Job& job) {
   view::check_camera(camera);
   prepared_->prepare_for(camera, job);
+}
+
+View StripRenderer::render(const Camera& camera, const RenderOptions& options, const Job& job) {
+  prepare(camera, job);
   const int layers = static_cast<int>(prepared_->panorama.layers.size());
   std::vector<const view::MeshTile*> tiles;
   for (const auto& [begin, mesh] : prepared_->strips)

@@ -18,6 +18,8 @@ class StripRenderer {
  public:
   explicit StripRenderer(const LayeredPanorama& panorama);  // which must outlive it
   ~StripRenderer();
+  // What render() needs of the panorama for a camera, so that it only draws.
+  void prepare(const Camera& camera, const Job& job);
   // The same for any cameras before it and any number of threads. Options of layers and fill are honoured.
   View render(const Camera& camera, const RenderOptions& options, const Job& job);
 
