@@ -52,6 +52,10 @@ class SourceCandidates final : public ColourCosts {
   uint8_t depth_label(int x, int y) const override;
   bool present(int x, int y) const override { return layer_.at(x, y) != kNoDisparity; }
 
+  // Whether a photograph shows a pixel that is present, and the one that does so best (kNoSource = none).
+  bool sees(int frame, int x, int y) const;
+  int cheapest(int x, int y) const;
+
   // Of each pixel that is taken from photograph `source`: which of those beside it see the voxel too, by
   // colour::neighbour_bit.
   Plane<uint8_t> neighbours(const SourceMap& source, const Job& job) const;

@@ -148,11 +148,20 @@ int SourceCandidates::collect(int x, int y, bool through, uint16_t frame[16], ui
   return count;
 }
 
+bool SourceCandidates::sees(int frame, int x, int y) const {
+  return candidate(static_cast<uint16_t>(frame), x, y, grid_.inverse_depth(layer_.at(x, y)), false).cost >= 0;
+}
+
+int SourceCandidates::cheapest(int x, int y) const {
+  uint16_t frame[kMaxCandidates], cost[kMaxCandidates];
+  const int count = candidates(x, y, frame, cost);
+  return count > 0 ? frame[std::min_element(cost, cost + count) - cost] : kNoSource;
+}
+
 uint8_t SourceCandidates::neighbours_of(int x, int y, int own) const {
-  const double w = grid_.inverse_depth(layer_.at(x, y));
   int bits = 0;
   for (int other = std::max(0, own - kViewsAside); other <= std::min(frames() - 1, own + kViewsAside); ++other)
-    if (other != own && candidate(static_cast<uint16_t>(other), x, y, w, false).cost >= 0)
+    if (other != own && sees(other, x, y))
       bits |= 1 << neighbour_bit(other - own);
   return static_cast<uint8_t>(bits);
 }

@@ -9,6 +9,7 @@
 #include "core/arc/arc.h"
 #include "core/base/exact_math.h"
 #include "core/colour/colour.h"
+#include "core/colour/halved_candidates.h"
 #include "core/consistency/back_projection.h"
 #include "core/consistency/consistency.h"
 #include "core/layers/layers.h"
@@ -276,13 +277,15 @@ class Build {
       ColourSolveOptions solving;
       solving.iterations = kIterations;
       solving.cycles = effort_.cycles;
-      ColourSolve solved = solve_colour(candidates, solving, job_);
+      const HalvedCandidates halved(candidates);
+      const ColourSolve solved = solve_colour(halved, solving, job_);
+      SourceMap sources = halved.spread(solved.sources, job_);
       const std::string name = "colour layer " + std::to_string(k + 1);
       report_.solves.push_back({name, solved.report});
-      pictures_.sources("sources layer " + std::to_string(k + 1), solved.sources);
-      drop_colourless(solved.sources, layers_[k]);
-      neighbours_.push_back(candidates.neighbours(solved.sources, job_));
-      sources_.push_back(std::move(solved.sources));
+      pictures_.sources("sources layer " + std::to_string(k + 1), sources);
+      drop_colourless(sources, layers_[k]);
+      neighbours_.push_back(candidates.neighbours(sources, job_));
+      sources_.push_back(std::move(sources));
     }
     std::vector<VisibilityMap>().swap(visibility_);
     watch_.lap("colour cut");

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/colour/blending.h"
+#include "core/colour/halved_candidates.h"
 #include "tests/unit/simple_capture.h"
 
 namespace ldp::colour {
@@ -239,6 +240,58 @@ TEST(BrightnessDifferences, GoOnAroundAClosedPanorama) {
     else
       EXPECT_EQ(last - first, 1600);
   }
+}
+
+struct TwoBesideEachOther {
+  PanoramaGrid grid = simple_grid(0.5);
+  DisparityMap layer{grid.width, grid.height, kNearSteps};
+  std::vector<UprightFrame> frames = {upright_of(camera_at(0.01), 0), upright_of(camera_at(-0.01), 1)};
+  std::vector<VisibilityMap> maps = {map_of(frames[0], 0), map_of(frames[1], 0)};
+};
+
+TEST(HalvedCandidates, ACellHasThoseOfItsFirstPixelThatIsPresent) {
+  TwoBesideEachOther two;
+  two.layer.at(40, 20) = kNoDisparity;
+  two.layer.at(41, 21) = kDisparitySteps / 2;
+  for (const auto& [x, y] : {std::pair(60, 30), {61, 30}, {60, 31}, {61, 31}}) two.layer.at(x, y) = kNoDisparity;
+  const SourceCandidates whole(two.grid, two.layer, two.frames, {}, {});
+  const HalvedCandidates halved(whole);
+  EXPECT_EQ(halved.width(), (two.grid.width + 1) / 2);
+  EXPECT_EQ(halved.height(), (two.grid.height + 1) / 2);
+  uint16_t frame[16], cost[16], expected[16];
+  for (const auto& [x, y, from_x, from_y] : {std::tuple(10, 8, 20, 16), {20, 10, 41, 21}}) {
+    ASSERT_TRUE(halved.present(x, y));
+    ASSERT_EQ(halved.candidates(x, y, frame, cost), 2);
+    ASSERT_EQ(whole.candidates(from_x, from_y, frame, expected), 2);
+    EXPECT_TRUE(std::equal(cost, cost + 2, expected)) << x;
+    EXPECT_EQ(halved.depth_label(x, y), whole.depth_label(from_x, from_y));
+  }
+  EXPECT_FALSE(halved.present(30, 15));
+}
+
+TEST(HalvedCandidates, APixelTakesItsCellsChoiceIfThatPhotographSeesIt) {
+  TwoBesideEachOther two;
+  for (int column = 69; column <= 71; ++column)  // something hides what falls on these from the first
+    for (int row = 0; row < two.frames[0].camera.height; ++row) two.maps[0].inverse_z.at(row, column) = 60000;
+  two.layer.at(51, 31) = kNoDisparity;
+  const SourceCandidates whole(two.grid, two.layer, two.frames, two.maps, {});
+  const HalvedCandidates halved(whole);
+  SourceMap choice(halved.width(), halved.height(), 2);
+  for (int y = 0; y < halved.height(); ++y)
+    for (int x = 0; x < halved.width(); ++x) choice.set(x, y, 0);
+  const SourceMap spread = halved.spread(choice, {});
+  int taken = 0, other = 0;
+  for (int y = 0; y < two.grid.height; ++y)
+    for (int x = 0; x < two.grid.width; ++x) {
+      if (!whole.present(x, y)) {
+        EXPECT_EQ(spread.at(x, y), kNoSource);
+        continue;
+      }
+      EXPECT_EQ(spread.at(x, y), whole.sees(0, x, y) ? 0 : whole.cheapest(x, y)) << x << ' ' << y;
+      (spread.at(x, y) == 0 ? taken : other) += 1;
+    }
+  EXPECT_GT(taken, 100);
+  EXPECT_GT(other, 100);
 }
 
 TEST(NeighbourViews, AreThePhotographsBesideAPixelsOwnThatSeeItsVoxel) {
