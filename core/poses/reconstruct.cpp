@@ -277,6 +277,11 @@ void SweepReconstruction::match_again_if_poor() {
 void SweepReconstruction::refine_on_klt_tracks() {
   job_.report("adjusting", 0.8);
   refine_until_focal_converges();
+  if (!is_rotation() && is_rotation_after_all(sweep_, result_.tracks, result_.bundle, job_)) {
+    result_.motion = Motion::rotation;
+    refinement_.set_model(MotionModel::rotation);
+    refine_until_focal_converges();
+  }
   refinement_.select_distortion_model(result_);  // before corners join: it compares costs of the same points
   if (!is_rotation()) classify_motion(sweep_, result_);
   if (is_ill_conditioned(result_)) {

@@ -102,10 +102,9 @@ bool closes(const MatchedSweep& sweep, const Reconstruction& r) {
   return across >= kMinSeamTracks;
 }
 
-}  // namespace
-
-bool is_pure_rotation(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job) {
-  Bundle rotation = bundle;
+// Cameras and lens that explain the longest tracks best if all of it were far.
+Bundle rotating(const MatchedSweep& sweep, const std::vector<Track>& tracks, const Bundle& from, const Job& job) {
+  Bundle rotation = from;
   triangulate_tracks(longest_tracks(tracks, sweep, kParallaxObservationsPerFrame), rotation);
   for (InversePoint& point : rotation.points) point.inverse_distance = 0;
   BundleAdjustmentOptions options;
@@ -113,7 +112,25 @@ bool is_pure_rotation(const MatchedSweep& sweep, const std::vector<Track>& track
   options.refine_distortion = true;
   options.loss_px = sweep.pixels(0.5 * kParallax_px);
   adjust_bundle(rotation, options, job);
+  return rotation;
+}
+
+}  // namespace
+
+bool is_pure_rotation(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job) {
+  const Bundle rotation = rotating(sweep, tracks, bundle, job);
   if (outlier_share(rotation, sweep.pixels(kParallax_px)) > kMaxParallaxShare) return false;
+  bundle = rotation;
+  return true;
+}
+
+bool is_rotation_after_all(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle,
+                           const Job& job) {
+  const Bundle rotation = rotating(sweep, tracks, bundle, job);
+  const double log_focal = std::abs(std::log(rotation.lens.focal_px / bundle.lens.focal_px));
+  const double beyond_shaking = outlier_share(rotation, sweep.pixels(kShaking_px));
+  const bool false_arc = beyond_shaking <= std::min(kMaxShakingShare, kFalseArcShare * log_focal);
+  if (!false_arc && outlier_share(rotation, sweep.pixels(kParallax_px)) > kMaxParallaxShare) return false;
   bundle = rotation;
   return true;
 }

@@ -320,6 +320,31 @@ TEST(EstimatePoses, RecognisesARotationOnTheSpot) {
   EXPECT_EQ(poses.cameras.size(), 8U);
 }
 
+// What a shaking hand moves against near things is no arc: one would be found with another focal length.
+TEST(EstimatePoses, RecognisesARotationOfAHandThatShakes) {
+  struct Case {
+    const char* scene;
+    uint32_t seed;
+    double jitter;
+  };
+  for (const Case& c : {Case{"garden", 4, 0.005}, {"room", 2, 0.01}, {"room", 5, 0.01}}) {
+    SweepPath path;
+    path.frames = 12;
+    path.fov_rad = 65 * kDegree;
+    path.arc_rad = 140 * kDegree;
+    path.radius = 0, path.position_jitter = c.jitter;
+    path.width = 256, path.height = 192;
+    path.seed = c.seed;
+    const Scene scene(make_scene(c.scene, c.seed));
+    const std::vector<Camera> truth = sweep_cameras(path);
+    std::vector<RgbImage> images;
+    for (const Camera& camera : truth) images.push_back(take_picture(scene, camera, PictureOptions{}, Job{}).colour);
+    const Poses poses = estimate_poses(Photos(images), PosesOptions{}, Job{});
+    EXPECT_EQ(poses.report.motion, Motion::rotation) << c.scene << c.seed;
+    EXPECT_NEAR(poses.cameras[0].intrinsics.fx / truth[0].intrinsics.fx, 1, 0.015) << c.scene << c.seed;
+  }
+}
+
 // Narrow views, many steps and a lens that bends: a few degrees to the side would pass for a turn in every step, and
 // half the focal length with them.
 TEST(EstimatePoses, RecognisesARotationAllRoundThroughALensThatBends) {
