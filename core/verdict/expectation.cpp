@@ -19,8 +19,8 @@ constexpr double kUsualParallax = 6e-3, kLeastParallax = 0.3e-3;
 constexpr double kUsualMismatch = 0.12, kMostMismatch = 2, kLittleTurn = 0.05;
 
 // As features stand in `Feature`.
-constexpr Features kWeights = {-0.1103, 0.5863,  -0.2884, 0.3804,   -5.4830, -19.5625, -3.1234,
-                               -9.4192, -3.6858, -4.4848, -14.4505, -2.9053, -2.9473,  3.7671};
+constexpr Features kWeights = {-0.6092, 0.6763,   -0.5850, 0.3398,  -4.5252, -22.7755,
+                               -2.7760, -14.9904, -3.8215, -4.7229, -0.5681, -4.0932};
 
 double hundredths(double x) { return std::round(x * 100) / 100; }
 
@@ -31,7 +31,7 @@ double octaves(double ratio) { return exact_log(ratio) / kLn2; }
 // Means over photographs, weighted by how many of their pixels lie in the portion that is judged.
 struct Portion {
   DirectionEvidence pictures;
-  double weight = 0, blur_x = 0, blur_y = 0, brightness = 0, detail = 0, shift = 0, exposure = 0;
+  double weight = 0, blur_x = 0, blur_y = 0, brightness = 0, detail = 0, shift = 0;
 
   void add(const SweepEvidence& evidence, size_t index, const DirectionEvidence& part) {
     const PhotoEvidence& photo = evidence.photos[index];
@@ -44,11 +44,8 @@ struct Portion {
     brightness += share * photo.measures.brightness;
     detail += share * photo.measures.detail;
     shift += share * evidence.photos[step].shift;
-    exposure += share * exposure_jump(evidence, index);
   }
 };
-
-double share_of(int64_t count, int64_t of) { return of > 0 ? static_cast<double>(count) / static_cast<double>(of) : 0; }
 
 double flatness(const SweepEvidence& evidence, const MotionMeasures& motion) {
   if (motion.parallax == 0 && evidence.motion != SweepMotion::rotation) return 0;
@@ -71,10 +68,8 @@ Features features_from(const SweepEvidence& evidence, const Portion& portion) {
   at(f, Feature::shift) = std::max(0.0, portion.shift / weight - kUsualShift);
   at(f, Feature::flat) = flatness(evidence, motion);
   at(f, Feature::outward) = motion.outward;
-  at(f, Feature::unexplained) = share_of(portion.pictures.unexplained, portion.pictures.compared);
   at(f, Feature::doubtful) = evidence.doubt != DoubtfulPoses::no ? 1 : 0;
   at(f, Feature::mismatch) = std::max(0.0, motion.mismatch - kUsualMismatch);
-  at(f, Feature::exposure) = portion.exposure / weight;
   return f;
 }
 

@@ -24,12 +24,10 @@ enum class Feature : uint8_t {
   shift,         // from photograph to photograph, in widths, beyond what three quarters of overlap have
   flat,          // factors of two by which parallax is less than a sweep's
   outward,       // share of the parallax that points away from the middle of the photographs
-  unexplained,   // share of the pixels
   doubtful,      // 1 where the poses are
-  mismatch,      // logarithm of how much more, or less, photographs shift than the poses turn
-  exposure       // change from photograph to photograph, factors of two
+  mismatch       // logarithm of how much more, or less, photographs shift than the poses turn
 };
-constexpr size_t kFeatures = 14;
+constexpr size_t kFeatures = 12;
 using Features = std::array<double, kFeatures>;
 inline double& at(Features& features, Feature feature) { return features[static_cast<size_t>(feature)]; }
 inline double at(const Features& features, Feature feature) { return features[static_cast<size_t>(feature)]; }

@@ -194,8 +194,8 @@ TEST(Judge, EveryFaultHasItsReason) {
             Reasons{QualityReason::moved_forward});
   EXPECT_EQ(of([](SweepEvidence& e) { e.motion = SweepMotion::straight; }), Reasons{QualityReason::moved_straight});
   EXPECT_EQ(of([](SweepEvidence& e) { e.reprojection = 0.002; }), Reasons{QualityReason::lens_doubtful});
-  EXPECT_EQ(of([](SweepEvidence& e) { e.agreement = 0.97; }), Reasons{QualityReason::contradicted});
-  EXPECT_EQ(of([](SweepEvidence& e) { e.agreement = 0.988; }), Reasons{});
+  EXPECT_EQ(of([](SweepEvidence& e) { e.agreement = 0.95; }), Reasons{QualityReason::contradicted});
+  EXPECT_EQ(of([](SweepEvidence& e) { e.agreement = 0.966; }), Reasons{});
   EXPECT_EQ(of([](SweepEvidence& e) { e.photos_taken = 22; }), Reasons{QualityReason::photos_left_out});
   EXPECT_EQ(of([](SweepEvidence& e) { e.photos[7].gain = 3; }), Reasons{QualityReason::exposure_jumps});
   EXPECT_EQ(of([](SweepEvidence& e) { e.doubt = DoubtfulPoses::contradicted; }),
@@ -258,12 +258,12 @@ TEST(Judge, WorseEvidenceNeverRaisesTheExpectation) {
               for (auto& p : e.photos) p.shift = p.far_shift = 0.5, p.turn_deg *= 2.4;
             }),
             clean - 1);
-  EXPECT_LT(with([](SweepEvidence& e) { e.doubt = DoubtfulPoses::loose; }), clean - 1);
+  EXPECT_LT(with([](SweepEvidence& e) { e.doubt = DoubtfulPoses::loose; }), clean - 0.3);
   EXPECT_LT(with([](SweepEvidence& e) {
               for (auto& p : e.photos)
                 for (auto& d : p.directions) d.back.sum *= 4;
             }),
-            clean - 1.5);
+            clean - 0.3);
   EXPECT_LT(with([](SweepEvidence& e) {
               for (auto& p : e.photos)
                 for (auto& d : p.directions) d.back.sum *= 4, d.neighbour.sum *= 4;
