@@ -161,8 +161,7 @@ int SourceCandidates::cheapest(int x, int y) const {
 uint8_t SourceCandidates::neighbours_of(int x, int y, int own) const {
   int bits = 0;
   for (int other = std::max(0, own - kViewsAside); other <= std::min(frames() - 1, own + kViewsAside); ++other)
-    if (other != own && sees(other, x, y))
-      bits |= 1 << neighbour_bit(other - own);
+    if (other != own && sees(other, x, y)) bits |= 1 << neighbour_bit(other - own);
   return static_cast<uint8_t>(bits);
 }
 

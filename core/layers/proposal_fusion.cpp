@@ -23,9 +23,8 @@ constexpr int kStripColumns = 128;
 
 // Calls use(begin, end) for strips of columns, for some at the same time.
 void for_each_strip(int columns, const Job& job, const std::function<void(int, int)>& use) {
-  parallel_for(job, (columns + kStripColumns - 1) / kStripColumns, [&](int strip) {
-    use(strip * kStripColumns, std::min(columns, (strip + 1) * kStripColumns));
-  });
+  parallel_for(job, (columns + kStripColumns - 1) / kStripColumns,
+               [&](int strip) { use(strip * kStripColumns, std::min(columns, (strip + 1) * kStripColumns)); });
 }
 
 // Of cameras from `first` to before `end`.

@@ -111,9 +111,8 @@ struct StripRenderer::Prepared {
     std::erase_if(strips, [&](const auto& s) { return std::find(seen.begin(), seen.end(), s.first) == seen.end(); });
     std::erase_if(seen, [&](int begin) { return strips.contains(begin); });
     std::vector<view::Mesh> made(seen.size());
-    parallel_for(job, static_cast<int>(seen.size()), [&](int i) {
-      made[static_cast<size_t>(i)] = strip(seen[static_cast<size_t>(i)], job);
-    });
+    parallel_for(job, static_cast<int>(seen.size()),
+                 [&](int i) { made[static_cast<size_t>(i)] = strip(seen[static_cast<size_t>(i)], job); });
     for (size_t i = 0; i < seen.size(); ++i) strips.emplace(seen[i], std::move(made[i]));
   }
 };
