@@ -24,16 +24,37 @@ struct Range {
   std::array<int, 3> low{255, 255, 255}, high{0, 0, 0};
 
   Range(const RgbImage& image, int x, int y) {
-    for (int ny = std::max(0, y - 1); ny <= std::min(image.height - 1, y + 1); ++ny)
-      for (int nx = std::max(0, x - 1); nx <= std::min(image.width - 1, x + 1); ++nx) {
-        const auto c = channels(image.at(nx, ny));
-        for (size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], c[k]), high[k] = std::max(high[k], c[k]);
-      }
+    const bool inside = x > 0 && y > 0 && x + 1 < image.width && y + 1 < image.height;
+    inside ? take_square(image, x, y) : take_what_there_is(image, x, y);
   }
   bool holds(const std::array<int, 3>& c, int tolerance) const {
     for (size_t k = 0; k < 3; ++k)
       if (c[k] < low[k] - tolerance || c[k] > high[k] + tolerance) return false;
     return true;
+  }
+
+ private:
+  // Rows first: their bytes lie side by side.
+  void take_square(const RgbImage& image, int x, int y) {
+    static_assert(sizeof(Rgb) == 3);
+    const auto row = [&](int ny) { return reinterpret_cast<const uint8_t*>(image.row(ny) + x - 1); };
+    const uint8_t *above = row(y - 1), *on = row(y), *below = row(y + 1);
+    std::array<uint8_t, 9> least, most;
+    for (size_t i = 0; i < 9; ++i) {
+      least[i] = std::min(std::min(above[i], on[i]), below[i]);
+      most[i] = std::max(std::max(above[i], on[i]), below[i]);
+    }
+    for (size_t k = 0; k < 3; ++k) {
+      low[k] = std::min(std::min(least[k], least[k + 3]), least[k + 6]);
+      high[k] = std::max(std::max(most[k], most[k + 3]), most[k + 6]);
+    }
+  }
+  void take_what_there_is(const RgbImage& image, int x, int y) {
+    for (int ny = std::max(0, y - 1); ny <= std::min(image.height - 1, y + 1); ++ny)
+      for (int nx = std::max(0, x - 1); nx <= std::min(image.width - 1, x + 1); ++nx) {
+        const auto c = channels(image.at(nx, ny));
+        for (size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], c[k]), high[k] = std::max(high[k], c[k]);
+      }
   }
 };
 
