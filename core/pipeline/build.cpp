@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -356,7 +357,7 @@ class Build {
     AgreementSink sink;
     if (pictures_.wanted())
       sink = [&](const std::string& photo, const Plane<uint8_t>& map) {
-        pictures_.agreement("agreement " + photo, map);
+        pictures_.agreement("agreement " + std::filesystem::path(photo).stem().string(), map);
       };
     Rephotography rephotography(grid_, poses_.cameras, gains_, job_, report_.evidence);
     BackProjection towards(panorama, job_);

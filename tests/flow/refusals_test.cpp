@@ -181,6 +181,15 @@ TEST_F(Outputs, OptionsWithoutEffectAreRefused) {
   EXPECT_THAT(ldp(exported("d.jpg", {"--at", "0,0,1"})).err, HasSubstr("--at is far from where views hold, "));
 }
 
+TEST_F(Outputs, ThreePhotosAreTooFewToLeaveOneOut) {
+  ASSERT_EQ(
+      ldp({"scene", "room", "--frames", "3", "--arc", "30", "--size", "160x120", "--no-novel", "-o", path("three")})
+          .status,
+      0);
+  expect_refusal({"evaluate", path("three/frames"), "--cameras", path("three/transforms.json")}, 1,
+                 "only 2 photos are left to build from when each 5th is left out; at least 3 are needed: take more");
+}
+
 TEST_F(Outputs, HelpAndRefusalsHoldPrintableTextOnly) {
   const auto printable = [](const std::string& text) {
     return std::all_of(text.begin(), text.end(), [](unsigned char c) { return c == '\n' || (c >= 0x20 && c != 0x7F); });

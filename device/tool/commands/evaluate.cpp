@@ -76,6 +76,9 @@ Split split(const PreparedBuild& prepared, int every, const Job& job) {
   }
   if (result.tests.empty())
     throw Impossible("too few photos to leave each " + std::to_string(every) + "th out: give a smaller --every");
+  if (result.kept.size() < 3)
+    throw Impossible("only " + std::to_string(result.kept.size()) + " photos are left to build from when each " +
+                     std::to_string(every) + "th is left out; at least 3 are needed: take more");
   return result;
 }
 
