@@ -277,7 +277,7 @@ void SweepReconstruction::match_again_if_poor() {
 void SweepReconstruction::refine_on_klt_tracks() {
   job_.report("adjusting", 0.8);
   refine_until_focal_converges();
-  if (!is_rotation() && is_rotation_after_all(sweep_, result_.tracks, result_.bundle, job_)) {
+  if (!is_rotation() && is_false_arc(sweep_, result_.tracks, result_.bundle, job_)) {
     result_.motion = Motion::rotation;
     refinement_.set_model(MotionModel::rotation);
     refine_until_focal_converges();

@@ -124,13 +124,11 @@ bool is_pure_rotation(const MatchedSweep& sweep, const std::vector<Track>& track
   return true;
 }
 
-bool is_rotation_after_all(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle,
-                           const Job& job) {
+bool is_false_arc(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job) {
   const Bundle rotation = rotating(sweep, tracks, bundle, job);
   const double log_focal = std::abs(std::log(rotation.lens.focal_px / bundle.lens.focal_px));
-  const double beyond_shaking = outlier_share(rotation, sweep.pixels(kShaking_px));
-  const bool false_arc = beyond_shaking <= std::min(kMaxShakingShare, kFalseArcShare * log_focal);
-  if (!false_arc && outlier_share(rotation, sweep.pixels(kParallax_px)) > kMaxParallaxShare) return false;
+  const double unexplained = outlier_share(rotation, sweep.pixels(kShaking_px));
+  if (unexplained > std::min(kMaxShakingShare, kMaxShakingPerLogFocal * log_focal)) return false;
   bundle = rotation;
   return true;
 }

@@ -16,9 +16,10 @@ namespace ldp::sfm {
 // that model; `bundle` is then that solution, all points at infinity and all centres on the sphere, else as it was.
 bool is_pure_rotation(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job);
 
-// The same of tracks by KLT, which are truer, and of an arc that was refined. Of what a shaking hand moves against near
-// things an arc can be made, of another focal length: where that differs, a rotation may leave more unexplained.
-bool is_rotation_after_all(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job);
+// Was the arc made of what a shaking hand moves against near things? Then a camera that only rotates, of another focal
+// length, explains nearly all of it: the more the focal lengths differ, the less it has to. Asked of tracks by KLT,
+// which are truer than matches, and of an arc that was refined; if so `bundle` becomes the rotation, as above.
+bool is_false_arc(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job);
 
 // Puts cameras that go round an arc where the sphere of spherical_motion.h has them: the circle's centre at the origin,
 // its radius 1. False, and nothing changed, when they do not go round one.

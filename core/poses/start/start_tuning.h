@@ -69,11 +69,11 @@ constexpr int kEssentialIterations = 500, kPnpIterations = 300, kIncrementalAdju
 constexpr double kIncrementalConfidence = 0.999;  // 0 .. 1, of RANSAC
 
 // Kind of motion (motion_model.h).
-constexpr double kMaxParallaxShare = 0.1;  // of the observations, in what still counts as a rotation
-constexpr double kParallax_px = 1.5;       // pixels of 800 by which a point must miss a rotation to show parallax
-constexpr double kShaking_px = 5;          // pixels of 800 that a shaking hand moves near things, most of them
-constexpr double kMaxShakingShare = 0.15;  // of the observations, that may be beyond, and of the logarithm
-constexpr double kFalseArcShare = 0.5;     // by which the focal length of an arc differs that is made of shaking
+constexpr double kMaxParallaxShare = 0.1;       // of the observations, in what still counts as a rotation
+constexpr double kParallax_px = 1.5;            // pixels of 800 by which a point must miss a rotation to show parallax
+constexpr double kShaking_px = 5;               // pixels of 800 by which a shaking hand moves most near things at most
+constexpr double kMaxShakingShare = 0.15;       // 0 .. 1, of the observations, beyond that in a false arc, and
+constexpr double kMaxShakingPerLogFocal = 0.5;  // that share over the logarithm by which the focal lengths differ
 constexpr int kParallaxObservationsPerFrame = 60;
 constexpr double kMinArcShare = 0.5;   // 0 .. 1, of the centres' spread that turning must explain in an arc
 constexpr double kMinArc_rad = 0.14;   // that a path must turn to be an arc
