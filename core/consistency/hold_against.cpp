@@ -92,14 +92,16 @@ class Holding {
 
   ConsistencyReport run(const AgreementSink& sink) {
     const size_t photos = panorama_.cameras.size();
-    const auto prepare = [&](size_t index) {
-      if (index < photos) renderings_.prepare(index, job_, observers_);
+    Job alone = job_;  // while the other threads compare
+    alone.threads = 1;
+    const auto prepare = [&](size_t index, const Job& job) {
+      if (index < photos) renderings_.prepare(index, job, observers_);
     };
-    prepare(0);
+    prepare(0, job_);
     for (size_t next = 0; next <= photos; ++next) {  // is rendered; the one before it is compared
       job_.report("consistency", static_cast<double>(next) / static_cast<double>(photos + 1));
       if (next < photos) take(next);
-      const auto meanwhile = [&] { prepare(next + 1); };
+      const auto meanwhile = [&] { prepare(next + 1, next > 0 ? alone : job_); };
       if (next > 0)
         compare(next - 1, sink, meanwhile);
       else
