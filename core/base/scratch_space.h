@@ -1,6 +1,6 @@
 // Room on disk for large arrays, for jobs that are larger than the memory they may take.
 //
-// While a ScratchSpace exists, arrays of 1 MiB or more that LargeArrays allocates (the samples of planes) are
+// While a ScratchSpace exists, arrays of 256 KiB or more that LargeArrays allocates (the samples of planes) are
 // mapped from files without names in its folder. Whenever the process holds more than its budget, all of them are let
 // go from resident memory; what is touched again comes back from the page cache, or from disk where the kernel needed
 // the room. Values are the same with and without. Where the disk is nearly full, or cannot promise room, arrays live in
@@ -61,7 +61,7 @@ struct LargeArrays {
   friend bool operator==(const LargeArrays&, const LargeArrays&) { return true; }
 
  private:
-  static constexpr size_t kLeastBytes = 1 << 20;
+  static constexpr size_t kLeastBytes = 1 << 18;
 };
 
 }  // namespace ldp
