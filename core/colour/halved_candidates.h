@@ -21,7 +21,7 @@ class HalvedCandidates final : public ColourCosts {
   uint8_t depth_label(int x, int y) const override;
   bool present(int x, int y) const override;
 
-  // The choice of every pixel of the whole: its cell's if it is among its candidates, else its cheapest one.
+  // The choice of every pixel of the whole: its cell's if that photograph sees it, else its cheapest candidate.
   SourceMap spread(const SourceMap& choice, const Job& job) const;
 
  private:
