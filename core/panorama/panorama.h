@@ -1,6 +1,7 @@
 // The layered depth panorama: what `build` makes, the .ldp file keeps and `render` shows (paper, section 3).
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -28,6 +29,11 @@ struct Layer {
 // the arc's axis is within [inner_radius, outer_radius] and its height above the arc's plane within +-height.
 struct ViewingLimits {
   double inner_radius = 0, outer_radius = 0, height = 0;
+
+  // Whether a place is farther from where views hold than these are wide: little is seen there but what is invented.
+  bool are_far_from(double from_axis, double above) const {
+    return from_axis > 2 * outer_radius || std::abs(above) > height + outer_radius;
+  }
 };
 
 struct LayeredPanorama {

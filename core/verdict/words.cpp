@@ -1,5 +1,6 @@
 #include "core/verdict/words.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -35,6 +36,13 @@ std::string place(const QualityFinding& finding) {
   return from == to ? " near " + from + " degrees" : " between " + from + " and " + to + " degrees";
 }
 
+std::string text_of(QualityReason reason, const std::string& places) {
+  const Words& words = words_of(reason);
+  std::string text = words.wrong;
+  if (const size_t at = text.find("%s"); at != std::string::npos) text.replace(at, 2, places);
+  return text + ": " + words.advice;
+}
+
 }  // namespace
 
 const char* name_of(Grade grade) {
@@ -44,18 +52,21 @@ const char* name_of(Grade grade) {
 
 const char* code_of(QualityReason reason) { return words_of(reason).code; }
 
-std::string text_of(const QualityFinding& finding) {
-  const Words& words = words_of(finding.reason);
-  std::string text = words.wrong;
-  if (const size_t at = text.find("%s"); at != std::string::npos) text.replace(at, 2, place(finding));
-  return text + ": " + words.advice;
-}
+std::string text_of(const QualityFinding& finding) { return text_of(finding.reason, place(finding)); }
 
 std::string text_of(const SweepQuality& quality) {
   constexpr std::array kNames = {"good", "fair", "sweep again"};
   std::string text = kNames[static_cast<size_t>(quality.grade)];
   text += ": new views of about " + std::to_string(std::lround(quality.expected_view_psnr_db)) + " dB";
-  for (const QualityFinding& finding : quality.reasons) text += "; " + text_of(finding);
+  const auto& all = quality.reasons;
+  for (auto first = all.begin(); first != all.end(); ++first) {
+    const auto alike = [&](const QualityFinding& finding) { return finding.reason == first->reason; };
+    if (std::any_of(all.begin(), first, alike)) continue;  // told with that one
+    std::string places;
+    for (const QualityFinding& finding : all)
+      if (alike(finding)) places += (places.empty() ? "" : " and") + place(finding);
+    text += "; " + text_of(first->reason, places);
+  }
   return text;
 }
 

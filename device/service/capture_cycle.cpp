@@ -155,7 +155,7 @@ void CaptureCycle::begin_sweep() {
   } catch (const std::exception& error) {
     return refuse_sweep({Why::cannot_begin, error.what(), code_of(error)});
   }
-  say("capturing: turn slowly, arm stretched out");
+  say("turn slowly, arm stretched out");
 }
 
 void CaptureCycle::refuse_sweep(const Reason& reason) {

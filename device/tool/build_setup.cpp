@@ -139,8 +139,8 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
   command
       .add_option(
           "--memory", build.memory_bytes,
-          "Memory to work in, such as 128M, if need be by a coarser panorama; 0 = full detail, large arrays beyond "
-          "128M in files without names beside the output")
+          "Memory to work in, such as 128M (20 photos of 800x600 need 52M), if need be by a coarser panorama; 0 = "
+          "full detail, large arrays beyond 128M in files without names beside the output")
       ->transform(memory_size("full detail"))
       ->default_str("0");
 }

@@ -80,12 +80,12 @@ Failure failure_of(const Program& program, const std::exception_ptr& cause) {
   } catch (const std::bad_alloc&) {
     return {kTryAgain, out_of_memory(program)};
   } catch (const MachineFault& error) {
-    return {kTryAgain, error.what()};
+    return {kTryAgain, with_remedy(error.what())};
   } catch (const std::filesystem::filesystem_error& error) {  // of looking at what was named
-    if (is_machine_fault(error.code())) return {kTryAgain, words_of(error)};
+    if (is_machine_fault(error.code())) return {kTryAgain, with_remedy(words_of(error))};
     return {kBadInput, words_of(error) + ": check the name and its permissions"};
   } catch (const std::system_error& error) {
-    return {is_machine_fault(error.code()) ? kTryAgain : kCannotBeDone, error.what()};
+    return {is_machine_fault(error.code()) ? kTryAgain : kCannotBeDone, with_remedy(error.what())};
   } catch (const std::invalid_argument& error) {
     return {kBadInput, with_switches(error.what())};
   } catch (const std::runtime_error& error) {
@@ -118,7 +118,8 @@ int with_all_printed(const Program& program, int status) {
   const int error = errno;
   const std::string why = error == 0 ? std::string() : std::string(": ") + std::strerror(error);
   const bool try_again = error == 0 || is_machine_fault({error, std::generic_category()});
-  return complain(program, "cannot write to standard output" + why, try_again ? kTryAgain : kCannotBeDone);
+  return complain(program, with_remedy("cannot write to standard output" + why),
+                  try_again ? kTryAgain : kCannotBeDone);
 }
 
 }  // namespace

@@ -31,6 +31,12 @@ std::optional<std::error_code> machine_fault_in(std::string_view said) {
   return std::nullopt;
 }
 
+std::string with_remedy(std::string said) {
+  for (const int full : {ENOSPC, EDQUOT})
+    if (said.ends_with(std::generic_category().message(full))) said += ": free some space, or write elsewhere";
+  return said;
+}
+
 std::string words_of(const std::system_error& error) {
   const auto* const of_files = dynamic_cast<const std::filesystem::filesystem_error*>(&error);
   if (of_files == nullptr || of_files->path1().empty()) return error.what();

@@ -39,6 +39,9 @@ bool is_machine_fault(const std::error_code& code);
 // Such a fault in the words of another program.
 std::optional<std::error_code> machine_fault_in(std::string_view said);
 
+// The same words, and what to do where they tell of a full disk.
+std::string with_remedy(std::string said);
+
 // What it says, for people: std::filesystem's own text names its functions.
 std::string words_of(const std::system_error& error);
 

@@ -28,12 +28,19 @@ namespace {
 constexpr uint32_t kBuffers = 6;  // one being filled, some waiting, two held as candidates by the reader
 constexpr int kErrorsInARow = 5;  // of DQBUF before the camera counts as broken
 
+[[noreturn]] void cannot_open(const std::string& path, int error) {
+  std::string remedy;
+  if (error == ENOENT) remedy = " ('v4l2-ctl --list-devices' lists those connected)";
+  if (error == EACCES) remedy = " (its group, mostly 'video', may: join that)";
+  throw_errno("cannot open the camera '" + path + "'" + remedy, error);
+}
+
 class V4l2Camera final : public CameraDevice {
  public:
   explicit V4l2Camera(const Url& url) : path_(url.path()), stream_(std::make_shared<Stream>()) {
     const ModeWish wish = wish_from(url);
     stream_->fd.reset(::open(path_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
-    if (fd() < 0) throw_errno("cannot open the camera '" + path_ + "'");
+    if (fd() < 0) cannot_open(path_, errno);
     query_capabilities();
     set_mode(wish);
   }

@@ -342,7 +342,7 @@ Arguments parse(int argc, char** argv) {
     else if (a == "--scene")
       arguments.scene = value();
     else if (a == "--crowd")
-      arguments.crowd = std::clamp(std::stod(value()), 0.0, 0.5);
+      arguments.crowd = std::stod(value());
     else if (a == "--cache")
       arguments.cache = value();
     else if (a == "--size") {
@@ -353,6 +353,7 @@ Arguments parse(int argc, char** argv) {
     else
       arguments.folder = a;
   }
+  if (!(arguments.crowd >= 0 && arguments.crowd <= 0.5)) throw std::runtime_error("--crowd wants a share of 0 to 0.5");
   return arguments;
 }
 

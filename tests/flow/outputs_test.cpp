@@ -138,6 +138,9 @@ TEST_F(Outputs, CamerasOfAnotherWorldAreToldOf) {
   EXPECT_EQ(blind.status, 0);
   EXPECT_THAT(blind.err, HasSubstr("1 of 2 cameras see nothing of the panorama"));
   EXPECT_EQ(std::count(blind.err.begin(), blind.err.end(), '\n'), 1) << blind.err;
+  turn.col(0) *= -1, turn.col(2) *= -1;
+  cameras[1].pose.centre += Eigen::Vector3d(5, 0, 0);  // metres, from an arm's length
+  EXPECT_THAT(rendered().err, HasSubstr("1 of 2 cameras stand far from where views hold"));
 }
 
 TEST_F(Outputs, WhatExportsAndScenesCameToIsToldInJsonToo) {

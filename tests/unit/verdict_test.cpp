@@ -160,6 +160,15 @@ TEST(Judge, BlurIsToldWhereItIs) {
   }
 }
 
+TEST(Judge, OneReasonInTwoPlacesIsToldOnce) {
+  SweepQuality quality;
+  quality.reasons = {{QualityReason::blurred, 10, 20}, {QualityReason::dark, 30, 40}, {QualityReason::blurred, 50, 60}};
+  EXPECT_EQ(text_of(quality),
+            "good: new views of about 0 dB; the photos between 10 and 20 degrees and between 50 and 60 degrees are "
+            "blurred: turn more slowly there; the photos between 30 and 40 degrees are dark and noisy: take them in "
+            "more light, or turn more slowly at a longer exposure");
+}
+
 TEST(Judge, WhatMostPhotosHaveIsToldOnceForTheWholeSweep) {
   SweepEvidence evidence = clean_sweep();
   for (size_t i = 0; i < 8; ++i) evidence.photos[i].measures.blur_x = 0.45;

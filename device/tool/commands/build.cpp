@@ -82,7 +82,8 @@ void print_summary(const BuildCommand& command, const BuildResult& result, size_
 // The exit status. The file is written all the same: it may be all there is of the place.
 int judged(const BuildCommand& command, const SweepQuality& quality) {
   if (!command.strict || quality.grade != Grade::sweep_again) return kDone;
-  std::fprintf(stderr, "ldp build: %s: %s (--strict)\n", printable(command.output).c_str(), text_of(quality).c_str());
+  std::fprintf(stderr, "ldp build: %s: the verdict is 'sweep again', which --strict refuses; the file is kept\n",
+               printable(command.output).c_str());
   return kCannotBeDone;
 }
 

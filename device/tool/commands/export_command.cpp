@@ -119,13 +119,8 @@ size_t write_exported(const ExportCommand& command, LayeredPanorama&& panorama, 
   return exported.size();
 }
 
-// A place farther from where views hold than these are wide shows little but invented background.
 void warn_of_places_far_off(const ExportCommand& command, const ViewingLimits& limits) {
-  if (command.at.empty()) return;
-  const double far = limits.outer_radius;
-  if (std::hypot(command.at[0], command.at[1]) <= limits.outer_radius + far &&
-      std::abs(command.at[2]) <= limits.height + far)
-    return;
+  if (command.at.empty() || !limits.are_far_from(std::hypot(command.at[0], command.at[1]), command.at[2])) return;
   std::fprintf(
       stderr,
       "ldp export: --at is far from where views hold, %.3g around the axis and %.3g up and down: the picture is "

@@ -2,6 +2,7 @@
 
 #include "core/view/render.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -200,6 +201,27 @@ void check_view(const RenderCommand& command, const Camera& camera) {
                "the view " + camera.name + " of " + std::to_string(k.width) + "x" + std::to_string(k.height));
 }
 
+bool is_far_off(const LayeredPanorama& panorama, const Camera& camera) {
+  const Arc& arc = panorama.grid.arc;
+  const Eigen::Vector3d in_arc = arc.world_from_arc.transpose() * (camera.pose.centre - arc.centre);
+  return panorama.limits.are_far_from(std::hypot(in_arc.x(), in_arc.y()), in_arc.z());
+}
+
+// Most likely they are of another coordinate system, in which nothing stands where it should.
+void warn_of_cameras(const RenderCommand& command, const LayeredPanorama& panorama, const std::vector<Camera>& cameras,
+                     const Rendered& totals) {
+  const auto far = std::count_if(cameras.begin(), cameras.end(),
+                                 [&](const Camera& camera) { return is_far_off(panorama, camera); });
+  if (totals.blind == 0 && far == 0) return;
+  std::fprintf(
+      stderr,
+      "ldp render: %d of %d cameras %s: give cameras in the coordinates of those that this writes: ldp export %s -o "
+      "cameras.json\n",
+      totals.blind > 0 ? totals.blind : static_cast<int>(far), totals.views,
+      totals.blind > 0 ? "see nothing of the panorama" : "stand far from where views hold (ldp info)",
+      printable(in_shell({command.input.file})).c_str());
+}
+
 void print_summary(const RenderCommand& command, const Rendered& totals, bool json) {
   const double holes = 100 * totals.holes / totals.views, invented = 100 * totals.invented / totals.views;
   if (json) {
@@ -208,13 +230,6 @@ void print_summary(const RenderCommand& command, const Rendered& totals, bool js
   } else {
     std::printf("%s: %d views, %.2f %% holes", printable(command.output).c_str(), totals.views, holes);
     std::printf(command.options.fill == Fill::background ? ", %.2f %% filled\n" : "\n", invented);
-  }
-  if (totals.blind > 0) {
-    std::fprintf(
-        stderr,
-        "ldp render: %d of %d cameras see nothing of the panorama: give cameras in the coordinates of those that this "
-        "writes: ldp export %s -o cameras.json\n",
-        totals.blind, totals.views, printable(in_shell({command.input.file})).c_str());
   }
 }
 
@@ -241,6 +256,7 @@ int run(RenderCommand command, const Session& session) {
                                                        : render_pictures(command, renderer, cameras, job);
   bar.reset();
   print_summary(command, totals, session.json);
+  warn_of_cameras(command, panorama, cameras, totals);
   return kDone;
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/markup_text.h"
 #include "core/captures/json_text.h"
 #include "core/geometry/degrees.h"
 #include "device/tool/commands.h"
@@ -68,6 +69,10 @@ int run(SceneCommand command, const Session& session) {
     const nlohmann::ordered_json json{
         {"capture", command.output}, {"scene", command.scene.scene}, {"frames", command.scene.path.frames}};
     std::printf("%s\n", json_text(json).c_str());
+  } else {
+    std::printf("%s: %d photos of %s with cameras and depths%s\n", printable(command.output).c_str(),
+                command.scene.path.frames, command.scene.scene.c_str(),
+                command.scene.novel_views ? ", and novel views" : "");
   }
   return kDone;
 }
