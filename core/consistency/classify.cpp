@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <stdexcept>
 
 #include "core/base/exact_math.h"
 
@@ -15,48 +16,15 @@ constexpr int kOpaque = 128;    // alpha from which a pixel is not a hole
 constexpr int kPlainRange = 6;  // grey levels within 3x3 pixels of a plain place
 constexpr double kSamePlace = 0.15;  // share of its inverse depth by which a surface may differ and still be seen
 constexpr double kBehind = 1e-6;
-constexpr std::array<std::array<int, 2>, 5> kPatch = {{{0, 0}, {-1, -1}, {1, 1}, {1, -1}, {-1, 1}}};
+// A pixel and its neighbours across corners.
+constexpr std::array<std::array<int, 2>, kPatchPixels> kPatch = {{{0, 0}, {-1, -1}, {1, 1}, {1, -1}, {-1, 1}}};
 
 std::array<int, 3> channels(Rgb c) { return {c.r, c.g, c.b}; }
 
-// The range of each channel over the pixel and its neighbours.
-struct Range {
-  std::array<int, 3> low{255, 255, 255}, high{0, 0, 0};
-
-  Range(const RgbImage& image, int x, int y) {
-    const bool inside = x > 0 && y > 0 && x + 1 < image.width && y + 1 < image.height;
-    inside ? take_square(image, x, y) : take_what_there_is(image, x, y);
-  }
-  bool holds(const std::array<int, 3>& c, int tolerance) const {
-    for (size_t k = 0; k < 3; ++k)
-      if (c[k] < low[k] - tolerance || c[k] > high[k] + tolerance) return false;
-    return true;
-  }
-
- private:
-  // Rows first: their bytes lie side by side.
-  void take_square(const RgbImage& image, int x, int y) {
-    static_assert(sizeof(Rgb) == 3);
-    const auto row = [&](int ny) { return reinterpret_cast<const uint8_t*>(image.row(ny) + x - 1); };
-    const uint8_t *above = row(y - 1), *on = row(y), *below = row(y + 1);
-    std::array<uint8_t, 9> least, most;
-    for (size_t i = 0; i < 9; ++i) {
-      least[i] = std::min(std::min(above[i], on[i]), below[i]);
-      most[i] = std::max(std::max(above[i], on[i]), below[i]);
-    }
-    for (size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(std::min(least[k], least[k + 3]), least[k + 6]);
-      high[k] = std::max(std::max(most[k], most[k + 3]), most[k + 6]);
-    }
-  }
-  void take_what_there_is(const RgbImage& image, int x, int y) {
-    for (int ny = std::max(0, y - 1); ny <= std::min(image.height - 1, y + 1); ++ny)
-      for (int nx = std::max(0, x - 1); nx <= std::min(image.width - 1, x + 1); ++nx) {
-        const auto c = channels(image.at(nx, ny));
-        for (size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], c[k]), high[k] = std::max(high[k], c[k]);
-      }
-  }
-};
+std::array<int, 3> moved(std::array<int, 3> c, const std::array<int, 3>& by) {
+  for (size_t k = 0; k < 3; ++k) c[k] += by[k];
+  return c;
+}
 
 }  // namespace
 
@@ -91,6 +59,7 @@ Classifier::Classifier(const Held& own, const Rendering& rendering, const std::v
       most_inverse_z_(most_inverse_z),
       tolerance_(tolerance),
       most_depths_(most_depths) {
+  if (beside.size() > kMostBeside) throw std::logic_error("Classifier: too many photographs are asked");
   const Pose& from = own.camera->pose;
   for (const Held* held : beside) {
     const Pose& to = held->camera->pose;
@@ -129,34 +98,37 @@ ResidualStatistics Classifier::cell(int x0, int y0, Plane<uint8_t>& map) const {
 
 // Of the photograph minus the rendering.
 Classifier::Offset Classifier::median_difference(int x0, int y0) const {
-  std::array<std::vector<int>, 3> differences;
+  constexpr int kMost = 255;
+  std::array<std::array<uint16_t, 2 * kMost + 1>, 3> counts{};
+  int all = 0;
   for (int y = y0; y < std::min(own_.photo.height, y0 + kCellPx); y += kEvery)
     for (int x = x0; x < std::min(own_.photo.width, x0 + kCellPx); x += kEvery) {
       if (rendering_.alpha.at(x, y) < kOpaque) continue;
       const auto a = channels(own_.photo.at(x, y)), b = channels(rendering_.colour.at(x, y));
-      for (size_t k = 0; k < 3; ++k) differences[k].push_back(a[k] - b[k]);
+      for (size_t k = 0; k < 3; ++k) ++counts[k][static_cast<size_t>(a[k] - b[k] + kMost)];
+      ++all;
     }
   Offset offset;
+  if (all == 0) return offset;
   for (size_t k = 0; k < 3; ++k) {
-    if (differences[k].empty()) continue;
-    const auto middle = differences[k].begin() + static_cast<std::ptrdiff_t>(differences[k].size() / 2);
-    std::nth_element(differences[k].begin(), middle, differences[k].end());
-    offset.median[k] = *middle;
+    size_t level = 0;
+    for (int below = counts[k][0]; below <= all / 2; below += counts[k][level]) ++level;
+    offset.median[k] = static_cast<int>(level) - kMost;
   }
   return offset;
 }
 
-// Whether either pixel's colour occurs around the other: half a pixel's shift is no disagreement.
-bool Classifier::agree(const RgbImage& a, int ax, int ay, const RgbImage& b, int bx, int by,
-                       const Offset& brighter) const {
-  auto of_a = channels(a.at(ax, ay)), of_b = channels(b.at(bx, by));
-  for (size_t k = 0; k < 3; ++k) of_a[k] -= brighter.median[k], of_b[k] += brighter.median[k];
-  return Range(b, bx, by).holds(of_a, tolerance_) && Range(a, ax, ay).holds(of_b, tolerance_);
+bool Classifier::agree(const Surroundings& a, const Surroundings& b) const {
+  return b.hold(a.colour(), tolerance_) && a.hold(b.colour(), tolerance_);
 }
 
 Agreement Classifier::classify(int x, int y, const Offset& brightness, const Agreement* first) const {
-  if (agree(own_.photo, x, y, rendering_.colour, x, y, {})) return Agreement::agrees;
-  if (agree(own_.photo, x, y, rendering_.colour, x, y, brightness)) return Agreement::exposure;
+  const Surroundings photo(own_.photo, x, y), view(rendering_.colour, x, y);
+  if (agree(photo, view)) return Agreement::agrees;
+  const auto& by = brightness.median;
+  if (view.hold(moved(photo.colour(), {-by[0], -by[1], -by[2]}), tolerance_) &&
+      photo.hold(moved(view.colour(), by), tolerance_))
+    return Agreement::exposure;
   return first && *first >= Agreement::wrong_colour ? *first : ask_others(x, y);
 }
 
@@ -175,29 +147,41 @@ Agreement Classifier::ask_others(int x, int y) const {
   const float depth = own_.depth.at(x, y);
   const double shown = depth > 0 ? 1 / static_cast<double>(depth) : 0;
   const Eigen::Vector3d ray = unproject(own_.camera->intrinsics, {x + 0.5, y + 0.5});
+  Rays rays;
   bool seen_at_all = false;
-  for (const View& view : views_) {
-    const Seen seen = look(view, ray, shown);
+  for (size_t i = 0; i < views_.size(); ++i) {
+    const View& view = views_[i];
+    rays[i] = turned(view, ray);
+    const Seen seen = look(view, rays[i], shown);
     if (!seen.inside) continue;
     seen_at_all = true;
-    if (visible(view, seen, shown) && agree(own_.photo, x, y, view.held->photo, seen.x, seen.y, {}))
+    if (visible(view, seen, shown) && agree({own_.photo, x, y}, {view.held->photo, seen.x, seen.y}))
       return Agreement::wrong_colour;
   }
+  if (x < 1 || y < 1 || x + 1 >= own_.photo.width || y + 1 >= own_.photo.height)
+    return seen_at_all ? Agreement::moved : Agreement::alone;
+  Patch patch;
+  for (size_t i = 0; i < kPatch.size(); ++i) patch[i] = {own_.photo, x + kPatch[i][0], y + kPatch[i][1]};
   const int depths = depths_to_try();
   for (int i = depths; i >= 0; --i) {
     const double inverse_z = most_inverse_z_ * i / depths;
-    if (patches_agree(x, y, ray, inverse_z)) return inverse_z > shown ? Agreement::missing : Agreement::wrong_depth;
+    if (patches_agree(patch, rays, inverse_z)) return inverse_z > shown ? Agreement::missing : Agreement::wrong_depth;
   }
   return seen_at_all ? Agreement::moved : Agreement::alone;
 }
 
-Classifier::Seen Classifier::look(const View& view, const Eigen::Vector3d& ray, double inverse_z) const {
+Eigen::Vector3d Classifier::turned(const View& view, const Eigen::Vector3d& ray) const {
   Eigen::Vector3d there;
   for (int row = 0; row < 3; ++row) {
     const auto at = static_cast<size_t>(3 * row);
-    there[row] = view.turn[at] * ray.x() + view.turn[at + 1] * ray.y() + view.turn[at + 2] * ray.z() +
-                 view.step[static_cast<size_t>(row)] * inverse_z;
+    there[row] = view.turn[at] * ray.x() + view.turn[at + 1] * ray.y() + view.turn[at + 2] * ray.z();
   }
+  return there;
+}
+
+Classifier::Seen Classifier::look(const View& view, const Eigen::Vector3d& turned_ray, double inverse_z) const {
+  Eigen::Vector3d there = turned_ray;
+  for (int row = 0; row < 3; ++row) there[row] += view.step[static_cast<size_t>(row)] * inverse_z;
   if (there.z() < kBehind) return {};
   const Eigen::Vector2d place = project(view.held->camera->intrinsics, there);
   const RgbImage& photo = view.held->photo;
@@ -212,16 +196,14 @@ bool Classifier::visible(const View& view, const Seen& seen, double inverse_z) c
   return nearest <= (1 + kSamePlace) * inverse_z / seen.z + kSamePlace * most_inverse_z_ / kLabels;
 }
 
-// Whether a patch looks the same in every photograph that may see them there.
-bool Classifier::patches_agree(int x, int y, const Eigen::Vector3d& ray, double inverse_z) const {
-  const RgbImage& photo = own_.photo;
-  if (x < 1 || y < 1 || x + 1 >= photo.width || y + 1 >= photo.height) return false;
+// Whether it looks the same in every photograph that may see it there.
+bool Classifier::patches_agree(const Patch& patch, const Rays& rays, double inverse_z) const {
   int views = 0;
-  for (const View& view : views_) {
-    const Seen seen = look(view, ray, inverse_z);
+  for (size_t v = 0; v < views_.size(); ++v) {
+    const Seen seen = look(views_[v], rays[v], inverse_z);
     if (!seen.inside) continue;
-    for (const auto& [dx, dy] : kPatch)
-      if (!agree(photo, x + dx, y + dy, view.held->photo, seen.x + dx, seen.y + dy, {})) return false;
+    for (size_t i = 0; i < patch.size(); ++i)
+      if (!agree(patch[i], {views_[v].held->photo, seen.x + kPatch[i][0], seen.y + kPatch[i][1]})) return false;
     ++views;
   }
   return views > 0;

@@ -3,25 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/geometry/disparity.h"
-
 namespace ldp {
-namespace {
-
-Eigen::Vector2d distort(const Intrinsics& k, const Eigen::Vector2d& n) {
-  const double r2 = n.squaredNorm();
-  const double radial = 1 + r2 * (k.k1 + r2 * k.k2);
-  const double xy = n.x() * n.y();
-  return {n.x() * radial + 2 * k.p1 * xy + k.p2 * (r2 + 2 * n.x() * n.x()),
-          n.y() * radial + k.p1 * (r2 + 2 * n.y() * n.y()) + 2 * k.p2 * xy};
-}
-
-}  // namespace
-
-Eigen::Vector2d project(const Intrinsics& intrinsics, const Eigen::Vector3d& x_in_camera) {
-  const Eigen::Vector2d d = distort(intrinsics, x_in_camera.head<2>() / x_in_camera.z());
-  return {intrinsics.fx * d.x() + intrinsics.cx, intrinsics.fy * d.y() + intrinsics.cy};
-}
 
 Eigen::Vector3d unproject(const Intrinsics& intrinsics, const Eigen::Vector2d& position_px) {
   const Eigen::Vector2d distorted((position_px.x() - intrinsics.cx) / intrinsics.fx,
@@ -37,10 +19,6 @@ Eigen::Vector3d unproject(const Intrinsics& intrinsics, const Eigen::Vector2d& p
 
 Eigen::Vector3d Arc::outward(double theta) const {
   return std::cos(theta) * world_from_arc.col(0) + std::sin(theta) * world_from_arc.col(1);
-}
-
-double PanoramaGrid::inverse_depth(double disparity) const {
-  return w_far + (w_near - w_far) * disparity / kDisparitySteps;
 }
 
 Eigen::Vector3d PanoramaGrid::origin(double theta) const { return arc.centre + ray_radius() * arc.outward(theta); }

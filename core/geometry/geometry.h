@@ -16,6 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/disparity.h"
+
 namespace ldp {
 
 // Pinhole with radial and tangential distortion in OpenCV's order; principal point with pixel centres at .5, so that
@@ -38,8 +40,21 @@ struct Camera {
   Pose pose;
 };
 
+// Of a position at z = 1.
+inline Eigen::Vector2d distort(const Intrinsics& k, const Eigen::Vector2d& n) {
+  if (k.k1 == 0 && k.k2 == 0 && k.p1 == 0 && k.p2 == 0) return n;
+  const double r2 = n.squaredNorm();
+  const double radial = 1 + r2 * (k.k1 + r2 * k.k2);
+  const double xy = n.x() * n.y();
+  return {n.x() * radial + 2 * k.p1 * xy + k.p2 * (r2 + 2 * n.x() * n.x()),
+          n.y() * radial + k.p1 * (r2 + 2 * n.y() * n.y()) + 2 * k.p2 * xy};
+}
+
 // Position in the image of a point given in camera axes (z > 0 required), distortion included.
-Eigen::Vector2d project(const Intrinsics& intrinsics, const Eigen::Vector3d& x_in_camera);
+inline Eigen::Vector2d project(const Intrinsics& intrinsics, const Eigen::Vector3d& x_in_camera) {
+  const Eigen::Vector2d d = distort(intrinsics, x_in_camera.head<2>() / x_in_camera.z());
+  return {intrinsics.fx * d.x() + intrinsics.cx, intrinsics.fy * d.y() + intrinsics.cy};
+}
 
 // Viewing direction in camera axes (z = 1) of an image position; distortion is inverted iteratively to 1e-9.
 Eigen::Vector3d unproject(const Intrinsics& intrinsics, const Eigen::Vector2d& position_px);
@@ -81,7 +96,9 @@ struct PanoramaGrid {
     return theta_left - x_px * theta_pitch;
   }  // x_px continuous: centre of column x at x + .5
   double v(double y_px) const { return v_top - y_px * v_pitch; }
-  double inverse_depth(double disparity) const;  // disparity in steps (0 .. kDisparitySteps), see disparity.h
+  double inverse_depth(double disparity) const {  // disparity in steps (0 .. kDisparitySteps), see disparity.h
+    return w_far + (w_near - w_far) * disparity / kDisparitySteps;
+  }
 
   // World point of a ray at inverse depth w. With w = 0 the point is at infinity: only `direction` is defined.
   Eigen::Vector3d point(double theta, double v, double w) const;

@@ -36,6 +36,7 @@ using Directions = std::vector<DirectionEvidence>;
 // Whether no colour of the view within a pixel comes near the photograph's.
 bool unexplained(const RgbImage& photo, const Rendering& back, int x, int y) {
   const Rgb& seen = photo.at(x, y);
+  if (largest_difference(seen, back.colour.at(x, y)) <= kUnexplained) return false;  // as most do
   for (int v = std::max(0, y - 1); v <= std::min(photo.height - 1, y + 1); ++v)
     for (int u = std::max(0, x - 1); u <= std::min(photo.width - 1, x + 1); ++u)
       if (back.alpha.at(u, v) != 0 && largest_difference(seen, back.colour.at(u, v)) <= kUnexplained) return false;
