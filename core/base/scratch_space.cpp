@@ -23,9 +23,8 @@
 namespace ldp {
 namespace {
 
-constexpr uint64_t kStaysFree = 64 << 20;        // bytes of the disk
-constexpr std::chrono::milliseconds kLook{4};    // between two looks at what the process holds
-constexpr std::chrono::milliseconds kPause{50};  // after letting go: what is held nevertheless is not held by arrays
+constexpr uint64_t kStaysFree = 64 << 20;      // bytes of the disk
+constexpr std::chrono::milliseconds kLook{4};  // between two looks at what the process holds
 
 std::mutex& mutex() {
   static std::mutex one;
@@ -95,9 +94,19 @@ size_t resident_bytes() {
   return resident * static_cast<size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-// Under the mutex.
-void let_go() {
+using Clock = std::chrono::steady_clock;
+
+Clock::time_point& next_look() {
+  static Clock::time_point time;
+  return time;
+}
+
+// Under the mutex. Not again and again: what is touched meanwhile would come and go without end.
+void let_go_where_full() {
+  const Clock::time_point now = Clock::now();
+  if (now < next_look() || resident_bytes() <= budget()) return;
   for (const auto& [array, bytes] : arrays()) ::madvise(array, bytes, MADV_DONTNEED);
+  next_look() = Clock::now() + kLook;
 }
 
 }  // namespace
@@ -127,22 +136,16 @@ struct ScratchSpace::Keeper {
 
   void run() {
     std::unique_lock lock(waiting);
-    std::chrono::milliseconds wait = kLook;
-    while (!woken.wait_for(lock, wait, [this] { return over; })) wait = let_go_if_full() ? kLook : kPause;
-  }
-
-  // Whether the process is within its budget now.
-  static bool let_go_if_full() {
-    const std::lock_guard lock(mutex());
-    if (resident_bytes() <= budget()) return true;
-    let_go();
-    return resident_bytes() <= budget();
+    while (!woken.wait_for(lock, kLook, [this] { return over; })) {
+      const std::lock_guard holding(mutex());
+      let_go_where_full();
+    }
   }
 };
 
 void let_go_if_full() {
   const std::unique_lock lock(mutex(), std::try_to_lock);
-  if (lock.owns_lock() && !folder().empty() && resident_bytes() > budget()) let_go();
+  if (lock.owns_lock() && !folder().empty()) let_go_where_full();
 }
 
 ScratchSpace::ScratchSpace(const std::string& in, size_t resident_bytes) {
@@ -175,7 +178,7 @@ void* map_scratch(size_t bytes) {
   {
     const std::lock_guard lock(mutex());
     if (folder().empty()) return nullptr;
-    if (resident_bytes() > budget()) let_go();
+    let_go_where_full();
     in = folder();
   }
   const File file(in);
