@@ -101,12 +101,12 @@ Clock::time_point& next_look() {
   return time;
 }
 
-// Under the mutex. Not again and again: what is touched meanwhile would come and go without end.
+// Under the mutex. Where little of what is held is arrays, not again and again: they would come and go without end.
 void let_go_where_full() {
   const Clock::time_point now = Clock::now();
   if (now < next_look() || resident_bytes() <= budget()) return;
   for (const auto& [array, bytes] : arrays()) ::madvise(array, bytes, MADV_DONTNEED);
-  next_look() = Clock::now() + kLook;
+  if (4 * resident_bytes() > 3 * budget()) next_look() = Clock::now() + kLook;
 }
 
 }  // namespace
