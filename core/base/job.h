@@ -23,7 +23,8 @@ struct Job {
   int threads = 1;
   std::stop_token stop;
   std::function<void(std::string_view stage, double fraction)>
-      progress;  // may be empty; called from one thread at a time
+      progress;                                       // may be empty; called from one thread at a time
+  std::function<void(std::string_view text)> remark;  // likewise: what a person should hear before the job ends
 
   void check() const {
     if (stop.stop_requested()) throw Cancelled();

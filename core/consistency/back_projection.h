@@ -21,7 +21,6 @@ class BackProjection : public consistency::Observer {
   // Of the panorama that is held against its photographs. Refers to both; takes 6 bytes for each pixel of the grid.
   BackProjection(const LayeredPanorama& panorama, const Job& job);
 
-  void taken(size_t, const RgbImage&) override {}
   void rendered(size_t camera, const consistency::Held& own, const consistency::Rendering& rendering,
                 const consistency::Held* before) override;
 

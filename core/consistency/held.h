@@ -27,9 +27,7 @@ struct Rendering {
 class Observer {
  public:
   virtual ~Observer() = default;
-  // The photograph as it was taken.
-  virtual void taken(size_t camera, const RgbImage& photo) = 0;
-  // The same rendered back; `before`: the photograph before it, or null.
+  // The photograph rendered back; `before`: the photograph before it, or null.
   virtual void rendered(size_t camera, const Held& own, const Rendering& rendering, const Held* before) = 0;
 };
 

@@ -95,7 +95,7 @@ class Holding {
     Job alone = job_;  // while the other threads compare
     alone.threads = 1;
     const auto prepare = [&](size_t index, const Job& job) {
-      if (index < photos) renderings_.prepare(index, job, observers_);
+      if (index < photos) renderings_.prepare(index, job);
     };
     prepare(0, job_);
     for (size_t next = 0; next <= photos; ++next) {  // is rendered; the one before it is compared

@@ -6,10 +6,9 @@ namespace ldp::consistency {
 RenderedPhotos::RenderedPhotos(const Evidence& evidence, const LayeredPanorama& panorama)
     : evidence_(evidence), panorama_(panorama), local_(panorama.cameras, evidence.gains), renderer_(panorama) {}
 
-void RenderedPhotos::prepare(size_t camera, const Job& job, const std::vector<Observer*>& observers) {
+void RenderedPhotos::prepare(size_t camera, const Job& job) {
   camera_ = camera;
   photo_ = evidence_.frames.load(evidence_.frame_of_camera[camera]);
-  for (Observer* observer : observers) observer->taken(camera, photo_);
   exposure_of(camera).apply(photo_);
   renderer_.prepare(panorama_.cameras[camera], job);
 }

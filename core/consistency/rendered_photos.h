@@ -24,9 +24,8 @@ class RenderedPhotos {
   // Refers to both.
   RenderedPhotos(const Evidence& evidence, const LayeredPanorama& panorama);
 
-  // Reads a camera's photograph and makes the panorama ready for it: of each camera, by rising index. Observers are
-  // told of the photograph as it was taken.
-  void prepare(size_t camera, const Job& job, const std::vector<Observer*>& observers);
+  // Reads a camera's photograph and makes the panorama ready for it: of each camera, by rising index.
+  void prepare(size_t camera, const Job& job);
   // The photograph prepared last, and what is shown in its place.
   RenderedPhoto take(const Job& job);
 

@@ -20,6 +20,7 @@
 #include "core/pipeline/crop.h"
 #include "core/pipeline/debug_pictures.h"
 #include "core/pipeline/grid_layout.h"
+#include "core/pipeline/measured_frames.h"
 #include "core/pipeline/pipeline_tuning.h"
 #include "core/pipeline/pose_evidence.h"
 #include "core/pipeline/seen_part.h"
@@ -29,6 +30,7 @@
 #include "core/sweep/cost_volume.h"
 #include "core/verdict/judge.h"
 #include "core/verdict/rephotography.h"
+#include "core/verdict/words.h"
 
 namespace ldp {
 namespace {
@@ -81,8 +83,11 @@ class Build {
     if (const std::string what = sideways(poses_.cameras); !what.empty()) report_.notes.push_back(what);
     layout_ = std::make_unique<GridLayout>(poses_, report_.arc, options_, report_.notes);
     watch_.lap("arc");
-    upright_ = rectify(frames_, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc,
+    const MeasuredFrames measured(frames_);
+    upright_ = rectify(measured, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc,
                        layout_->pitch_px(), job_, &calibration_);
+    collect_gains();
+    judge_sweep_so_far(measured);
     watch_.lap("rectify");
     if (parallax()) layout_->take_in_what_is_nearer(upright_, job_);
     grid_ = layout_->grid();
@@ -91,6 +96,16 @@ class Build {
                     upright_pixels(poses_.cameras, report_.arc.arc, layout_->pitch_px())};
     watch_.lap("depth range");
     if (parallax()) leave_out_unseen();
+  }
+
+  // Who has to sweep again should hear it before the panorama is done.
+  void judge_sweep_so_far(const MeasuredFrames& measured) {
+    rephotography_.emplace(layout_->grid(), poses_.cameras, gains_, job_, report_.evidence);
+    for (size_t i = 0; i < poses_.cameras.size(); ++i)
+      report_.evidence.photos[i].measures = measured.of(poses_.frame_of_camera[i]);
+    add_pose_evidence(poses_, frames_.size(), report_.evidence);
+    const SweepQuality quality = judge_sweep(report_.evidence);
+    if (quality.grade != Grade::good && job_.remark) job_.remark(text_of(quality));
   }
 
   // What no photograph sees is neither swept nor solved.
@@ -306,7 +321,6 @@ class Build {
     panorama.cameras = poses_.cameras;
     panorama.limits = viewing_limits();
     panorama.layers = code_layers(grid_, columns_of_colour_, options_.block_px, layers_, sources_);
-    collect_gains();
     panorama.exposure = local_exposure();
     fetch(panorama.exposure, panorama.layers);
     for (size_t k = 0; k < layers_.size(); ++k) {
@@ -317,7 +331,6 @@ class Build {
     }
     hold_against_photographs(panorama);
     report_.poses = poses_.report;
-    add_pose_evidence(poses_, frames_.size(), report_.evidence);
     report_.quality = judge(report_.evidence);
     panorama.quality = figures_of(report_.quality);
     watch_.lap("verdict");
@@ -359,10 +372,9 @@ class Build {
       sink = [&](const std::string& photo, const Plane<uint8_t>& map) {
         pictures_.agreement("agreement " + std::filesystem::path(photo).stem().string(), map);
       };
-    Rephotography rephotography(grid_, poses_.cameras, gains_, job_, report_.evidence);
     BackProjection towards(panorama, job_);
     report_.consistency = hold_against({frames_, poses_.frame_of_camera, own_gains()}, panorama, {}, job_, sink,
-                                       {&rephotography, &towards});
+                                       {&*rephotography_, &towards});
     towards.correct(panorama.layers.front());
     watch_.lap("consistency");
   }
@@ -398,6 +410,7 @@ class Build {
   std::vector<Plane<uint8_t>> neighbours_;
   std::vector<Gain> gains_;                 // of the photos
   std::optional<Calibration> calibration_;  // of their light, where exposure is local
+  std::optional<Rephotography> rephotography_;
 };
 
 }  // namespace

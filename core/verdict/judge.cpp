@@ -23,6 +23,15 @@ class Judge {
  public:
   Judge(const SweepEvidence& evidence, const JudgeOptions& options) : evidence_(evidence), options_(options) {}
 
+  SweepQuality judge_sweep() {
+    find_by_photo();
+    find_by_motion();
+    merge_repeated();
+    SweepQuality quality;
+    add_findings(quality);
+    return quality;
+  }
+
   SweepQuality judge() {
     find_by_photo();
     find_by_motion();
@@ -33,13 +42,7 @@ class Judge {
     quality.photos_back_psnr_db = psnr_of(all.back);
     quality.unexplained_share = unexplained(all);
     quality.grade = grade_of(quality.expected_view_psnr_db);
-    std::stable_sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
-      return a.grade != b.grade ? a.grade > b.grade : a.weight > b.weight;
-    });
-    for (const Found& found : found_) {
-      quality.grade = std::max(quality.grade, found.grade);
-      quality.reasons.push_back(found.finding);
-    }
+    add_findings(quality);
     quality.by_direction = directions();
     return quality;
   }
@@ -52,6 +55,17 @@ class Judge {
 
   Grade grade_of(double expected_db) const {
     return grade_of(-expected_db, {-options_.expected_db.fair, -options_.expected_db.again});
+  }
+
+  // The gravest first.
+  void add_findings(SweepQuality& quality) {
+    std::stable_sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
+      return a.grade != b.grade ? a.grade > b.grade : a.weight > b.weight;
+    });
+    for (const Found& found : found_) {
+      quality.grade = std::max(quality.grade, found.grade);
+      quality.reasons.push_back(found.finding);
+    }
   }
 
   static double unexplained(const DirectionEvidence& part) {
@@ -214,6 +228,11 @@ class Judge {
 SweepQuality judge(const SweepEvidence& evidence, const JudgeOptions& options) {
   if (evidence.photos.empty()) return {};
   return Judge(evidence, options).judge();
+}
+
+SweepQuality judge_sweep(const SweepEvidence& evidence, const JudgeOptions& options) {
+  if (evidence.photos.empty()) return {};
+  return Judge(evidence, options).judge_sweep();
 }
 
 }  // namespace ldp

@@ -31,4 +31,7 @@ struct JudgeOptions {
 
 SweepQuality judge(const SweepEvidence& evidence, const JudgeOptions& options = {});
 
+// What poses and photographs tell before there is a panorama; nothing is expected yet (0 dB), no direction judged.
+SweepQuality judge_sweep(const SweepEvidence& evidence, const JudgeOptions& options = {});
+
 }  // namespace ldp

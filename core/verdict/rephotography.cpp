@@ -198,8 +198,6 @@ Rephotography::Rephotography(const PanoramaGrid& grid, const std::vector<Camera>
 
 Rephotography::~Rephotography() = default;
 
-void Rephotography::taken(size_t camera, const RgbImage& photo) { evidence_.photos[camera].measures = measure(photo); }
-
 void Rephotography::rendered(size_t camera, const Held& own, const Rendering& rendering, const Held* before) {
   const std::vector<size_t> columns = columns_->of(camera, own.camera->intrinsics);
   const int height = own.photo.height;

@@ -1,5 +1,5 @@
-// Evidence of a finished panorama's quality: what each photograph alone tells, and how the panorama rendered into it
-// and the photograph beside it compare with it (virtual rephotography, Waechter et al. 2017).
+// Evidence of a finished panorama's quality: how the panorama rendered into each photograph, and the photograph beside
+// it, compare with it (virtual rephotography, Waechter et al. 2017).
 //
 // Looks on while the panorama is held against its photographs, so that each of them is rendered once.
 #pragma once
@@ -23,7 +23,6 @@ class Rephotography : public consistency::Observer {
                 const Job& job, SweepEvidence& evidence);
   ~Rephotography() override;
 
-  void taken(size_t camera, const RgbImage& photo) override;
   void rendered(size_t camera, const consistency::Held& own, const consistency::Rendering& rendering,
                 const consistency::Held* before) override;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace ldp {
 namespace {
@@ -57,7 +58,10 @@ std::string text_of(const QualityFinding& finding) { return text_of(finding.reas
 std::string text_of(const SweepQuality& quality) {
   constexpr std::array kNames = {"good", "fair", "sweep again"};
   std::string text = kNames[static_cast<size_t>(quality.grade)];
-  text += ": new views of about " + std::to_string(std::lround(quality.expected_view_psnr_db)) + " dB";
+  std::string next = ": ";
+  const auto add = [&](const std::string& part) { text += std::exchange(next, "; ") + part; };
+  if (quality.expected_view_psnr_db > 0)
+    add("new views of about " + std::to_string(std::lround(quality.expected_view_psnr_db)) + " dB");
   const auto& all = quality.reasons;
   for (auto first = all.begin(); first != all.end(); ++first) {
     const auto alike = [&](const QualityFinding& finding) { return finding.reason == first->reason; };
@@ -65,7 +69,7 @@ std::string text_of(const SweepQuality& quality) {
     std::string places;
     for (const QualityFinding& finding : all)
       if (alike(finding)) places += (places.empty() ? "" : " and") + place(finding);
-    text += "; " + text_of(first->reason, places);
+    add(text_of(first->reason, places));
   }
   return text;
 }

@@ -118,8 +118,7 @@ int with_all_printed(const Program& program, int status) {
   const int error = errno;
   const std::string why = error == 0 ? std::string() : std::string(": ") + std::strerror(error);
   const bool try_again = error == 0 || is_machine_fault({error, std::generic_category()});
-  return complain(program, with_remedy("cannot write to standard output" + why),
-                  try_again ? kTryAgain : kCannotBeDone);
+  return complain(program, with_remedy("cannot write to standard output" + why), try_again ? kTryAgain : kCannotBeDone);
 }
 
 }  // namespace

@@ -52,6 +52,7 @@ Job start_job(const Session& session, ProgressBar& bar) {
   job.threads = session.thread_count();
   job.stop = session.stop;
   job.progress = [&bar](std::string_view stage, double fraction) { bar.show(stage, fraction); };
+  job.remark = [&bar](std::string_view text) { bar.remark(text); };
   return job;
 }
 

@@ -282,6 +282,24 @@ TEST_F(Flow, LittleMemoryMakesACoarserPanoramaAndTooLittleIsRefused) {
   EXPECT_THAT(reasons[0].get<std::string>(), HasSubstr("to fit the memory allowed"));
 }
 
+TEST_F(Flow, WhatIsWrongWithASweepIsToldBeforeThePanoramaIsMade) {
+  const auto told = [&](const std::string& name, const std::string& blur) {
+    const Outcome made = ldp({"scene", "courtyard", "-o", path(name), "--frames", "8", "--arc", "70", "--size",
+                              "240x180", "--blur", blur, "--no-novel"});
+    EXPECT_EQ(made.status, 0) << made.err;
+    const Outcome built = ldp({"build", path(name), "-o", path(name + ".ldp"), "--cameras",
+                               path(name + "/transforms.json"), "--effort", "fast", "--progress-fd", "2"});
+    EXPECT_EQ(built.status, 0) << built.err;
+    return built.err;
+  };
+  const std::string blurred = told("blurred", "25");
+  const size_t remark = blurred.find("1.0000 so far: sweep again: the photos between 0 and 69 degrees are blurred");
+  ASSERT_NE(remark, std::string::npos) << blurred;
+  EXPECT_LT(remark, blurred.find("layer 1 iteration 1"));
+  EXPECT_GT(remark, blurred.find("rectify"));
+  EXPECT_THAT(told("sharp", "0"), testing::Not(HasSubstr("so far")));
+}
+
 TEST_F(Flow, BeyondItsMemoryABuildWorksInFilesWithoutNamesAndWritesTheSameBytes) {
   ASSERT_EQ(
       ldp({"scene", "room", "-o", path("room"), "--frames", "10", "--arc", "120", "--size", "640x480", "--no-novel"})

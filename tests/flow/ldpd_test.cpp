@@ -27,6 +27,13 @@ TEST_F(LdpdTest, AFailedBuildKeepsTheFramesAndTheReason) {
   EXPECT_FALSE(fs::exists(panorama()));
 }
 
+TEST_F(LdpdTest, WhatIsWrongWithTheSweepIsToldWhileItIsBuilt) {
+  build_program("echo '1 so far: sweep again: it is dark' >&3");
+  const Finished run = run_once();
+  EXPECT_THAT(run.said, HasSubstr("building: building sweep_"));
+  EXPECT_THAT(run.said, HasSubstr("; so far sweep again: it is dark"));
+}
+
 TEST_F(LdpdTest, AFileThatCannotBeWrittenIsToldByTheNameItWouldHaveHad) {
   build_program("echo \"ldp build: cannot write $file: No space left on device\" >&2; exit 1");
   const Finished run = run_once();

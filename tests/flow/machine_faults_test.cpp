@@ -44,7 +44,8 @@ TEST_F(Outputs, AFilmThatADiskHasNoRoomForReplacesNone) {
   const std::string file = small_panorama();
   for (const char* name : {"film.mp4", "film.webm", "film.gif"}) {
     for (const char* end : {"0", "1"})
-      expect_refusal(render_path(file, path(name), 2), 75, "cannot write " + path(name) + ": No space left on device: free some space, or write elsewhere\n",
+      expect_refusal(render_path(file, path(name), 2), 75,
+                     "cannot write " + path(name) + ": No space left on device: free some space, or write elsewhere\n",
                      with_ffmpeg("cat > /dev/null; echo half > \"$film\"; echo \"Error writing trailer of $film: No "
                                  "space left on device\" >&2; exit " +
                                  std::string(end)));

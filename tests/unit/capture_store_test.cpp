@@ -237,6 +237,16 @@ TEST_F(CaptureStoreTest, ABuildTellsItsProgressThroughThePipe) {
   EXPECT_EQ(run.progress[0].stage, "poses");
 }
 
+TEST_F(CaptureStoreTest, ARemarkOfABuildIsNoProgressAndIsTakenOnce) {
+  BuildChild child(
+      {script("echo '0.5 poses' >&3; echo '1 so far: fair: it is dark' >&3; echo '0.7 layers' >&3"), {}, 0, 10});
+  EXPECT_FALSE(child.take_remark());
+  const ChildRun run = run_to_end(child);
+  EXPECT_EQ(run.progress.back().stage, "layers");
+  EXPECT_EQ(child.take_remark(), "fair: it is dark");
+  EXPECT_FALSE(child.take_remark());
+}
+
 TEST_F(CaptureStoreTest, ABuildThatFailsGivesItsLastLineAsReason) {
   BuildChild child({script("echo first >&2; echo 'ldp build: only 2 frames' >&2; exit 1"), {}, 0, 10});
   const ChildRun run = run_to_end(child);

@@ -24,6 +24,7 @@ namespace {
 constexpr int kProgressFd = 3;
 constexpr int kDeathPatience_ms = 2000;
 constexpr size_t kPipeBytes = 65536;
+constexpr std::string_view kRemark = "so far: ";       // as a stage is called that is none (progress_bar.h)
 constexpr int kCannotBeDone = 1, kInternalError = 70;  // exit statuses of ldp build that another time would be the same
 constexpr size_t kMaxErrorBytes = 4096;                // the end of what it says is kept
 
@@ -161,7 +162,11 @@ std::optional<BuildProgress> BuildChild::read_progress() {
   drain(progress_, progress_text_);
   std::optional<BuildProgress> newest;
   for (size_t line_end = 0; (line_end = progress_text_.find('\n')) != std::string::npos;) {
-    if (const auto progress = parse_progress(progress_text_.substr(0, line_end))) newest = progress;
+    const auto progress = parse_progress(progress_text_.substr(0, line_end));
+    if (progress && progress->stage.starts_with(kRemark))
+      remark_ = progress->stage.substr(kRemark.size());
+    else if (progress)
+      newest = progress;
     progress_text_.erase(0, line_end + 1);
   }
   if (progress_text_.size() > kMaxErrorBytes) progress_text_.clear();

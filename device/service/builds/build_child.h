@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drivers/interface/unique_fd.h"
@@ -47,6 +48,8 @@ class BuildChild {
   int error_fd() const { return errors_.get(); }       // readable when it complains; -1 once it is closed
 
   std::optional<BuildProgress> read_progress();  // the newest, if there is a new one
+  // What the person should hear before it ends, once: of what read_progress has read.
+  std::optional<std::string> take_remark() { return std::exchange(remark_, std::nullopt); }
   void read_errors();
   void tell(const std::string& line);  // throws std::system_error when it does not listen
   std::optional<BuildEnd> end();       // none while it runs
@@ -56,6 +59,7 @@ class BuildChild {
   pid_t pid_ = -1;
   UniqueFd process_, progress_, errors_, lines_;
   std::string progress_text_, error_text_;
+  std::optional<std::string> remark_;
   std::optional<BuildEnd> end_;
 };
 

@@ -112,6 +112,8 @@ std::optional<BuildProgress> BuildQueue::read_progress() {
   return build_->read_progress();
 }
 
+std::optional<std::string> BuildQueue::take_remark() { return build_->take_remark(); }
+
 BuildEnd BuildQueue::conclude(const std::string& capture, const BuildEnd& end) {
   build_.reset();
   BuildEnd outcome = end;

@@ -37,6 +37,7 @@ class BuildQueue {
   bool runs() const { return build_ != nullptr; }
   void start(const std::string& capture);  // takes the follower over, where there is one; throws
   std::optional<BuildProgress> read_progress();
+  std::optional<std::string> take_remark();
   std::optional<BuildEnd> end() { return build_->end(); }
   void kill() { build_.reset(); }
 

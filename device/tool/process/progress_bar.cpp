@@ -39,6 +39,11 @@ void ProgressBar::show(std::string_view stage, double fraction) {
   if (progress_fd_ >= 0) tell_parent(stage, share);
 }
 
+void ProgressBar::remark(std::string_view text) {
+  if (on_terminal_) write_whole(STDERR_FILENO, "\r\x1b[Kso far: " + std::string(text) + "\n");
+  if (progress_fd_ >= 0) tell_parent("so far: " + std::string(text), 1);
+}
+
 void ProgressBar::draw(std::string_view stage, double fraction) {
   const int filled = static_cast<int>(std::lround(fraction * kBarWidth));
   std::string line = "\r\x1b[K[";

@@ -16,6 +16,8 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   void show(std::string_view stage, double fraction);
+  // What a person should hear before the work ends: "so far: TEXT", a line on a terminal, and a stage to the parent.
+  void remark(std::string_view text);
 
  private:
   void draw(std::string_view stage, double fraction);
