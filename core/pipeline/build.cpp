@@ -20,7 +20,7 @@
 #include "core/pipeline/crop.h"
 #include "core/pipeline/debug_pictures.h"
 #include "core/pipeline/grid_layout.h"
-#include "core/pipeline/measured_frames.h"
+#include "core/verdict/measured_frames.h"
 #include "core/pipeline/pipeline_tuning.h"
 #include "core/pipeline/pose_evidence.h"
 #include "core/pipeline/seen_part.h"

@@ -1,9 +1,7 @@
 // Photographs that are measured when they are first read.
-#include "core/pipeline/measured_frames.h"
+#include "core/verdict/measured_frames.h"
 
 #include <gtest/gtest.h>
-
-#include <stdexcept>
 
 #include "tests/unit/simple_capture.h"
 

@@ -1,1 +1,1 @@
-ldp_test(verdict_test SOURCES verdict_test.cpp USES ldp_verdict)
+ldp_test(verdict_test SOURCES measured_frames_test.cpp verdict_test.cpp USES ldp_verdict)
