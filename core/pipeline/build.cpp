@@ -20,7 +20,6 @@
 #include "core/pipeline/crop.h"
 #include "core/pipeline/debug_pictures.h"
 #include "core/pipeline/grid_layout.h"
-#include "core/verdict/measured_frames.h"
 #include "core/pipeline/pipeline_tuning.h"
 #include "core/pipeline/pose_evidence.h"
 #include "core/pipeline/seen_part.h"
@@ -29,6 +28,7 @@
 #include "core/rectify/rectify.h"
 #include "core/sweep/cost_volume.h"
 #include "core/verdict/judge.h"
+#include "core/verdict/measured_frames.h"
 #include "core/verdict/rephotography.h"
 #include "core/verdict/words.h"
 
