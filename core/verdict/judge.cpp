@@ -24,18 +24,14 @@ class Judge {
   Judge(const SweepEvidence& evidence, const JudgeOptions& options) : evidence_(evidence), options_(options) {}
 
   SweepQuality judge_sweep() {
-    find_by_photo();
-    find_by_motion();
-    merge_repeated();
+    find();
     SweepQuality quality;
     add_findings(quality);
     return quality;
   }
 
   SweepQuality judge() {
-    find_by_photo();
-    find_by_motion();
-    merge_repeated();
+    find();
     SweepQuality quality;
     quality.expected_view_psnr_db = expected_view_psnr(features_of(evidence_));
     const DirectionEvidence all = everything();
@@ -55,6 +51,12 @@ class Judge {
 
   Grade grade_of(double expected_db) const {
     return grade_of(-expected_db, {-options_.expected_db.fair, -options_.expected_db.again});
+  }
+
+  void find() {
+    find_by_photo();
+    find_by_motion();
+    merge_repeated();
   }
 
   // The gravest first.
