@@ -2,9 +2,10 @@
 //
 // While a ScratchSpace exists, arrays of 256 KiB or more that LargeArrays allocates (the samples of planes) are
 // mapped from files without names in its folder. Whenever the process holds more than its budget, all of them are let
-// go from resident memory; what is touched again comes back from the page cache, or from disk where the kernel needed
-// the room. Values are the same with and without. Where the disk is nearly full, or cannot promise room, arrays live in
-// memory as ever. The one state of the process that core has: allocation knows no caller.
+// go from resident memory (at most every 4 ms where that leaves most of the budget taken); what is touched again comes
+// back from the page cache, or from disk where the kernel needed the room. Values are the same with and without. Where
+// the disk is nearly full, or cannot promise room, arrays live in memory as ever. The one state of the process that
+// core has: allocation knows no caller.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +33,7 @@ class ScratchSpace {
   std::unique_ptr<Keeper> keeper_;
 };
 
-// What ScratchSpace does every few milliseconds, at once: where much is touched in less.
+// What ScratchSpace does every few milliseconds, at once: where much is touched in less, and letting go wins enough.
 void let_go_if_full();
 
 // nullptr where there is no scratch space, or no room in it.

@@ -31,8 +31,9 @@ struct ViewingLimits {
   double inner_radius = 0, outer_radius = 0, height = 0;
 
   // Whether a place is farther from where views hold than these are wide: little is seen there but what is invented.
+  // Of a sweep that moved along no arc nobody can tell.
   bool are_far_from(double from_axis, double above) const {
-    return from_axis > 2 * outer_radius || std::abs(above) > height + outer_radius;
+    return outer_radius > 0 && (from_axis > 2 * outer_radius || std::abs(above) > height + outer_radius);
   }
 };
 

@@ -87,10 +87,10 @@ class Build {
     upright_ = rectify(measured, poses_.cameras, poses_.frame_of_camera, poses_.points, report_.arc.arc,
                        layout_->pitch_px(), job_, &calibration_);
     collect_gains();
-    judge_sweep_so_far(measured);
     watch_.lap("rectify");
     if (parallax()) layout_->take_in_what_is_nearer(upright_, job_);
     grid_ = layout_->grid();
+    judge_sweep_so_far(measured);
     columns_of_colour_ = layout_->columns_of_colour();
     report_.laid = {grid_.width, grid_.height, columns_of_colour_,
                     upright_pixels(poses_.cameras, report_.arc.arc, layout_->pitch_px())};
@@ -100,7 +100,7 @@ class Build {
 
   // Who has to sweep again should hear it before the panorama is done.
   void judge_sweep_so_far(const MeasuredFrames& measured) {
-    rephotography_.emplace(layout_->grid(), poses_.cameras, gains_, job_, report_.evidence);
+    rephotography_.emplace(grid_, poses_.cameras, gains_, job_, report_.evidence);
     for (size_t i = 0; i < poses_.cameras.size(); ++i)
       report_.evidence.photos[i].measures = measured.of(poses_.frame_of_camera[i]);
     add_pose_evidence(poses_, frames_.size(), report_.evidence);

@@ -1,5 +1,6 @@
 // Judges a sweep by the evidence that its photographs, its poses and its panorama rendered back give: the expected
-// quality of new views, whole and by direction, and what to do better.
+// quality of new views, whole and by direction, and what to do better. What is wrong with the sweep itself is told
+// before.
 #pragma once
 
 #include "core/verdict/evidence.h"

@@ -19,7 +19,7 @@ class MeasuredFrames : public FrameSource {
   std::string name(int index) const override { return frames_.name(index); }
   std::optional<double> focal_hint(int index) const override { return frames_.focal_hint(index); }
 
-  // Several threads may read different ones.
+  // Several threads may read different ones, not the same one at once.
   RgbImage load(int index) const override {
     RgbImage photo = frames_.load(index);
     auto& measures = measures_[static_cast<size_t>(index)];
@@ -27,7 +27,7 @@ class MeasuredFrames : public FrameSource {
     return photo;
   }
 
-  // Of one that was read.
+  // Of one that was read; throws std::bad_optional_access of another.
   const PhotoMeasures& of(int index) const { return measures_.at(static_cast<size_t>(index)).value(); }
 
  private:

@@ -6,7 +6,6 @@
 
 #include "core/base/exact_math.h"
 #include "core/geometry/degrees.h"
-#include "core/verdict/photo_measures.h"
 
 namespace ldp {
 namespace {

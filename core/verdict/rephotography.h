@@ -1,7 +1,7 @@
 // Evidence of a finished panorama's quality: how the panorama rendered into each photograph, and the photograph beside
 // it, compare with it (virtual rephotography, Waechter et al. 2017).
 //
-// Looks on while the panorama is held against its photographs, so that each of them is rendered once.
+// Made before there is a panorama; looks on while that is held against its photographs, so that each is rendered once.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@ namespace ldp {
 class Rephotography : public consistency::Observer {
  public:
   // Sets `evidence.photos`, one for each of the cameras, which are in the order of the sweep, and where directions
-  // begin; what poses tell otherwise is left as it is. Gains are those of the cameras. Refers to all but `gains`.
+  // begin; what poses tell otherwise is left as it is. Gains are those of the cameras. Refers to `job` and `evidence`.
   Rephotography(const PanoramaGrid& grid, const std::vector<Camera>& cameras, const std::vector<Gain>& gains,
                 const Job& job, SweepEvidence& evidence);
   ~Rephotography() override;

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
+#include <iterator>
+#include <vector>
 
 namespace ldp {
 namespace {
@@ -55,23 +56,30 @@ const char* code_of(QualityReason reason) { return words_of(reason).code; }
 
 std::string text_of(const QualityFinding& finding) { return text_of(finding.reason, place(finding)); }
 
-std::string text_of(const SweepQuality& quality) {
-  constexpr std::array kNames = {"good", "fair", "sweep again"};
-  std::string text = kNames[static_cast<size_t>(quality.grade)];
-  std::string next = ": ";
-  const auto add = [&](const std::string& part) { text += std::exchange(next, "; ") + part; };
-  if (quality.expected_view_psnr_db > 0)
-    add("new views of about " + std::to_string(std::lround(quality.expected_view_psnr_db)) + " dB");
+// Places of one reason by their angle, whatever their grades.
+std::string reasons_of(const SweepQuality& quality) {
+  std::string text;
   const auto& all = quality.reasons;
   for (auto first = all.begin(); first != all.end(); ++first) {
-    const auto alike = [&](const QualityFinding& finding) { return finding.reason == first->reason; };
-    if (std::any_of(all.begin(), first, alike)) continue;  // told with that one
+    std::vector<QualityFinding> alike;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(alike),
+                 [&](const QualityFinding& finding) { return finding.reason == first->reason; });
+    if (alike.front() != *first) continue;  // told already
+    std::stable_sort(alike.begin(), alike.end(), [](const auto& a, const auto& b) { return a.from_deg < b.from_deg; });
     std::string places;
-    for (const QualityFinding& finding : all)
-      if (alike(finding)) places += (places.empty() ? "" : " and") + place(finding);
-    add(text_of(first->reason, places));
+    for (const QualityFinding& finding : alike) places += (places.empty() ? "" : " and") + place(finding);
+    text += (text.empty() ? "" : "; ") + text_of(first->reason, places);
   }
   return text;
+}
+
+std::string text_of(const SweepQuality& quality) {
+  constexpr std::array kNames = {"good", "fair", "sweep again"};
+  std::string told = reasons_of(quality);
+  if (quality.expected_view_psnr_db > 0)
+    told = "new views of about " + std::to_string(std::lround(quality.expected_view_psnr_db)) + " dB" +
+           (told.empty() ? "" : "; ") + told;
+  return kNames[static_cast<size_t>(quality.grade)] + (told.empty() ? "" : ": " + told);
 }
 
 }  // namespace ldp

@@ -13,6 +13,9 @@ const char* code_of(QualityReason reason);  // "blurred", ...
 // What is wrong, where, and what to do: "the photos between 40 and 70 degrees are blurred: turn more slowly there".
 std::string text_of(const QualityFinding& finding);
 
+// All reasons in one line, each told once with all its places.
+std::string reasons_of(const SweepQuality& quality);
+
 // The whole verdict in one line: "good: new views of about 27 dB", "sweep again: ... ; ...". Of one before there is a
 // panorama: "sweep again: the photos ...".
 std::string text_of(const SweepQuality& quality);

@@ -300,7 +300,7 @@ void CaptureCycle::serve_build() {
   if (const auto progress = builds_.read_progress()) {
     announcer_.publish(Progress{capture_, progress->stage, progress->fraction});
   }
-  if (const auto remark = builds_.take_remark()) say("building " + capture_ + "; so far " + *remark);
+  if (const auto remark = builds_.take_remark()) say(capture_ + "; so far " + *remark);
   if (const auto end = builds_.end()) finish_build(*end);
 }
 

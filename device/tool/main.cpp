@@ -130,7 +130,9 @@ CLI::App& add_command(Program& program, const std::string& name, const std::stri
       ->check(CLI::Range(0, 256));
   command.add_flag("--json", program.session.json, "Print machine-readable output");
   command
-      .add_option("--progress-fd", program.session.progress_fd, "Write lines FRACTION STAGE to this file descriptor")
+      .add_option(
+          "--progress-fd", program.session.progress_fd,
+          "Write lines FRACTION STAGE to this file descriptor; a stage 'so far: ...' is what is wrong with a sweep")
       ->group("");
   command.callback([&program, name, run] {
     program.command = name;

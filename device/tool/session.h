@@ -50,7 +50,7 @@ class ProgressBar;
 struct Session {
   int threads = 0;       // 0 = one per processor
   bool json = false;     // machine-readable output on stdout
-  int progress_fd = -1;  // lines "FRACTION STAGE" for a parent process; -1 = none
+  int progress_fd = -1;  // lines "FRACTION STAGE" for a parent process (progress_bar.h); -1 = none
   std::stop_token stop;
 
   int thread_count() const;

@@ -30,8 +30,8 @@ constexpr int kErrorsInARow = 5;  // of DQBUF before the camera counts as broken
 
 [[noreturn]] void cannot_open(const std::string& path, int error) {
   std::string remedy;
-  if (error == ENOENT) remedy = " ('v4l2-ctl --list-devices' lists those connected)";
-  if (error == EACCES) remedy = " (its group, mostly 'video', may: join that)";
+  if (error == ENOENT) remedy = " ('ls /dev/video*' lists those connected)";
+  if (error == EACCES) remedy = " (join its group, mostly 'video')";
   throw_errno("cannot open the camera '" + path + "'" + remedy, error);
 }
 

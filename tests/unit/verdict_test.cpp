@@ -176,7 +176,7 @@ TEST(Judge, WhatPosesAndPhotosTellIsKnownBeforeThereIsAPanorama) {
 
 TEST(Judge, OneReasonInTwoPlacesIsToldOnce) {
   SweepQuality quality;
-  quality.reasons = {{QualityReason::blurred, 10, 20}, {QualityReason::dark, 30, 40}, {QualityReason::blurred, 50, 60}};
+  quality.reasons = {{QualityReason::blurred, 50, 60}, {QualityReason::dark, 30, 40}, {QualityReason::blurred, 10, 20}};
   EXPECT_EQ(text_of(quality),
             "good: the photos between 10 and 20 degrees and between 50 and 60 degrees are "
             "blurred: turn more slowly there; the photos between 30 and 40 degrees are dark and noisy: take them in "

@@ -51,7 +51,7 @@ def build(photos: str | os.PathLike, output: str | os.PathLike | None = None, *,
     """Builds a panorama from a folder of photographs of one sweep, and opens it.
 
     output: the .ldp file to write; None: none is kept. progress(stage, fraction): called as the work goes on, fraction 0 to
-    1 of the stage. options: those of `ldp build`, as layers=2, cameras="transforms.json", strict=True, report="r.json".
+    1 of the stage; a stage "so far: ..." is none but what is wrong with the sweep. options: those of `ldp build`, as layers=2, cameras="transforms.json", strict=True, report="r.json".
     Raises BuildError with the program's words and exit status; FileNotFoundError where there is no such program."""
     with tempfile.TemporaryDirectory() as room:
         file = pathlib.Path(output) if output is not None else pathlib.Path(room) / "built.ldp"

@@ -65,10 +65,6 @@ void add_metadata(const CaptureNotes& notes, LayeredPanorama& panorama) {
   if (!notes.captured_utc.empty()) panorama.metadata["captured_utc"] = notes.captured_utc;
 }
 
-bool is_refused(const BuildCommand& command, const SweepQuality& quality) {
-  return command.strict && quality.grade == Grade::sweep_again;
-}
-
 void print_summary(const BuildCommand& command, const BuildResult& result, size_t bytes, double seconds) {
   const LayeredPanorama& panorama = result.panorama;
   std::printf("%s: %dx%d, %zu layers, %zu of %zu photos, %zu bytes, %.1f s\n", printable(command.output).c_str(),
@@ -80,12 +76,12 @@ void print_summary(const BuildCommand& command, const BuildResult& result, size_
   }
   for (const std::string& note : with_switches(result.report.notes))
     std::fprintf(stderr, "ldp build: %s\n", printable(note).c_str());
-  if (!is_refused(command, result.report.quality)) std::printf("%s\n", text_of(result.report.quality).c_str());
+  std::printf("%s\n", text_of(result.report.quality).c_str());
 }
 
 // The exit status. The file is written all the same: it may be all there is of the place.
 int judged(const BuildCommand& command, const SweepQuality& quality) {
-  if (!is_refused(command, quality)) return kDone;
+  if (!command.strict || quality.grade != Grade::sweep_again) return kDone;
   std::fprintf(stderr, "ldp build: %s: %s (--strict)\n", printable(command.output).c_str(), text_of(quality).c_str());
   return kCannotBeDone;
 }

@@ -210,6 +210,7 @@ bool is_far_off(const LayeredPanorama& panorama, const Camera& camera) {
 // Most likely they are of another coordinate system, in which nothing stands where it should.
 void warn_of_cameras(const RenderCommand& command, const LayeredPanorama& panorama, const std::vector<Camera>& cameras,
                      const Rendered& totals) {
+  if (command.cameras.empty()) return;
   const auto far =
       std::count_if(cameras.begin(), cameras.end(), [&](const Camera& camera) { return is_far_off(panorama, camera); });
   if (totals.blind == 0 && far == 0) return;

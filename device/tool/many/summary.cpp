@@ -38,9 +38,7 @@ void take_quality(const std::optional<SweepQuality>& quality, BuildOutcome& outc
   if (!quality) return;
   outcome.verdict = name_of(quality->grade);
   outcome.expected_view_psnr_db = quality->expected_view_psnr_db;
-  outcome.reasons.clear();
-  for (const QualityFinding& finding : quality->reasons)
-    outcome.reasons += (outcome.reasons.empty() ? "" : "; ") + text_of(finding);
+  outcome.reasons = reasons_of(*quality);
 }
 
 void read_panorama_file(const fs::path& file, BuildOutcome& outcome) {
