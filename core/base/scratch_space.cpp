@@ -15,7 +15,6 @@
 #include <cstring>
 #include <map>
 #include <mutex>
-#include <ratio>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
@@ -26,7 +25,7 @@ namespace {
 
 constexpr uint64_t kStaysFree = 64 << 20;      // bytes of the disk
 constexpr std::chrono::milliseconds kLook{4};  // between two looks at what the process holds
-constexpr std::ratio<3, 4> kMostly;            // of the budget: where so much is no arrays, letting go wins little
+constexpr double kMostly = 0.75;               // of the budget: where so much is no arrays, letting go wins little
 
 std::mutex& mutex() {
   static std::mutex one;
@@ -108,7 +107,8 @@ void let_go_where_full() {
   const Clock::time_point now = Clock::now();
   if (now < next_look() || resident_bytes() <= budget()) return;
   for (const auto& [array, bytes] : arrays()) ::madvise(array, bytes, MADV_DONTNEED);
-  if (resident_bytes() > budget() / kMostly.den * kMostly.num) next_look() = Clock::now() + kLook;
+  if (static_cast<double>(resident_bytes()) > kMostly * static_cast<double>(budget()))
+    next_look() = Clock::now() + kLook;
 }
 
 }  // namespace

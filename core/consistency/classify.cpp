@@ -129,7 +129,7 @@ Agreement Classifier::classify(int x, int y, const Offset& brightness, const Agr
   if (view.hold(moved(photo.colour(), {-by[0], -by[1], -by[2]}), tolerance_) &&
       photo.hold(moved(view.colour(), by), tolerance_))
     return Agreement::exposure;
-  return first && *first >= Agreement::wrong_colour ? *first : ask_others(x, y);
+  return first && *first >= Agreement::wrong_colour ? *first : ask_others(x, y, photo);
 }
 
 // So many that a step is two pixels of parallax at most: of two pixels, one lies within a pixel of the other's place.
@@ -143,7 +143,7 @@ int Classifier::depths_to_try() const {
   return static_cast<int>(std::clamp(std::ceil(parallax_px / 2), 1.0, static_cast<double>(most_depths_)));
 }
 
-Agreement Classifier::ask_others(int x, int y) const {
+Agreement Classifier::ask_others(int x, int y, const Surroundings& own) const {
   const float depth = own_.depth.at(x, y);
   const double shown = depth > 0 ? 1 / static_cast<double>(depth) : 0;
   const Eigen::Vector3d ray = unproject(own_.camera->intrinsics, {x + 0.5, y + 0.5});
@@ -155,8 +155,7 @@ Agreement Classifier::ask_others(int x, int y) const {
     const Seen seen = look(view, rays[i], shown);
     if (!seen.inside) continue;
     seen_at_all = true;
-    if (visible(view, seen, shown) && agree({own_.photo, x, y}, {view.held->photo, seen.x, seen.y}))
-      return Agreement::wrong_colour;
+    if (visible(view, seen, shown) && agree(own, {view.held->photo, seen.x, seen.y})) return Agreement::wrong_colour;
   }
   if (x < 1 || y < 1 || x + 1 >= own_.photo.width || y + 1 >= own_.photo.height)
     return seen_at_all ? Agreement::moved : Agreement::alone;

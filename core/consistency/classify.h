@@ -49,7 +49,7 @@ class Classifier {
   // `first`: what was found in the first pixel of its square, which what differs too takes over; or null.
   Agreement classify(int x, int y, const Offset& brightness, const Agreement* first) const;
   int depths_to_try() const;
-  Agreement ask_others(int x, int y) const;
+  Agreement ask_others(int x, int y, const Surroundings& own) const;
   // Whether either pixel's colour occurs around the other: half a pixel's shift is no disagreement.
   bool agree(const Surroundings& a, const Surroundings& b) const;
   Offset median_difference(int x0, int y0) const;

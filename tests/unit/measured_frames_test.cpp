@@ -3,22 +3,40 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/simple_capture.h"
+#include <cstdint>
+#include <optional>
+#include <string>
 
 namespace ldp {
 namespace {
 
-TEST(MeasuredFrames, APhotographIsMeasuredWhenItIsRead) {
-  RgbImage grey(32, 24), dark(32, 24);
-  for (Rgb& pixel : grey.samples) pixel = {100, 100, 100};
-  for (Rgb& pixel : dark.samples) pixel = {10, 10, 10};
-  const test::FramesInMemory frames({grey, dark});
+RgbImage plain(uint8_t level) {
+  RgbImage image(32, 24);
+  for (Rgb& pixel : image.samples) pixel = {level, level, level};
+  return image;
+}
+
+// Two photographs of one brightness, which rises with each reading.
+class Brightening final : public FrameSource {
+ public:
+  int size() const override { return 2; }
+  std::string name(int index) const override { return std::to_string(index); }
+  RgbImage load(int) const override { return plain(level_ = static_cast<uint8_t>(level_ + 10)); }
+  std::optional<double> focal_hint(int) const override { return {}; }
+
+ private:
+  mutable uint8_t level_ = 0;
+};
+
+TEST(MeasuredFrames, APhotographIsMeasuredWhenItIsReadFirst) {
+  const Brightening frames;
   const MeasuredFrames measured(frames);
-  EXPECT_EQ(measured.load(1).samples, dark.samples);
+  EXPECT_EQ(measured.load(1).samples, plain(10).samples);
+  EXPECT_THROW(measured.of(0), std::bad_optional_access);
+  EXPECT_EQ(measured.load(0).samples, plain(20).samples);
+  EXPECT_EQ(measured.load(1).samples, plain(30).samples);
   EXPECT_NEAR(measured.of(1).brightness, 10, 1);
-  EXPECT_ANY_THROW(measured.of(0));
-  measured.load(0);
-  EXPECT_NEAR(measured.of(0).brightness, 100, 1);
+  EXPECT_NEAR(measured.of(0).brightness, 20, 1);
 }
 
 }  // namespace

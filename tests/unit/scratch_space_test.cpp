@@ -1,6 +1,7 @@
 #include "core/base/scratch_space.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -98,6 +99,21 @@ TEST_F(ScratchSpaceTest, WhatWasTouchedInAMomentIsLetGoBeforeTheNextTask) {
     for (size_t k = 0; k < plane.samples.size(); k += kPage) *const_cast<volatile const uint8_t*>(&plane.samples[k]);
   });
   EXPECT_LE(most, before + room + 16);  // one plane where the space itself was just looking
+}
+
+// Each task would bring back what the one before it let go: a fault of the page that all of them touch.
+TEST_F(ScratchSpaceTest, WhereMostThatIsHeldIsNoArrayTheyDoNotComeAndGoWithEachTask) {
+  ScratchSpace scratch(folder_, kNothing);
+  const Plane<uint8_t> plane = patterned();
+  constexpr int kTasks = 20000;
+  const auto faults = [] {
+    rusage used{};
+    ::getrusage(RUSAGE_SELF, &used);
+    return used.ru_minflt + used.ru_majflt;
+  };
+  const auto before = faults();
+  parallel_for({}, kTasks, [&](int) { *const_cast<volatile const uint8_t*>(plane.samples.data()); });
+  EXPECT_LT(faults() - before, kTasks / 2);
 }
 
 TEST_F(ScratchSpaceTest, SmallArraysAndArraysFromBeforeStayInMemory) {
