@@ -143,21 +143,6 @@ TEST_F(Outputs, CamerasOfAnotherWorldAreToldOf) {
   EXPECT_THAT(rendered().err, HasSubstr("1 of 2 cameras stand far from where views hold"));
 }
 
-TEST_F(Outputs, OfASweepOnTheSpotNoCameraIsToldToBeFarOff) {
-  ASSERT_EQ(ldp({"scene", "room", "-o", path("spot"), "--size", "96x72", "--frames", "4", "--arc", "30", "--radius",
-                 "0", "--no-novel"})
-                .status,
-            0);
-  const std::string file = path("spot.ldp"), cameras = path("cameras.json");
-  ASSERT_EQ(ldp({"build", path("spot"), "-o", file, "--cameras", path("spot/transforms.json")}).status, 0);
-  ASSERT_EQ(ldp({"export", file, "-o", cameras}).status, 0);
-  for (const auto& [option, value] : {std::pair<std::string, std::string>{"--cameras", cameras}, {"--path", "sway"}}) {
-    const Outcome rendered = ldp({"render", file, option, value, "-o", path("views" + option)});
-    EXPECT_EQ(rendered.status, 0);
-    EXPECT_EQ(rendered.err, "");
-  }
-}
-
 TEST_F(Outputs, WhatExportsAndScenesCameToIsToldInJsonToo) {
   const auto json_of = [&](std::vector<std::string> words) {
     words.emplace_back("--json");

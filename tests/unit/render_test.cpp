@@ -485,6 +485,14 @@ TEST(Render, stops_when_asked) {
   EXPECT_THROW(renderer.render(make_camera(grid, 0, {0, 0, 0}), {}, job), Cancelled);
 }
 
+TEST(ViewingLimits, WhatIsFartherThanTheyAreWideIsFarButNothingIsWhereTheCameraMovedAlongNoArc) {
+  const ViewingLimits limits{0.2, 0.8, 0.1};
+  EXPECT_FALSE(limits.are_far_from(1.5, 0.8));
+  EXPECT_TRUE(limits.are_far_from(1.7, 0));
+  EXPECT_TRUE(limits.are_far_from(0, -1));
+  EXPECT_FALSE((ViewingLimits{0, 0, 0.1}.are_far_from(1, 2)));
+}
+
 TEST(CameraPath, stays_upright_smooth_and_within_its_limits_and_ends_where_it_begins) {
   const PanoramaGrid base = make_grid(Rays::pushbroom, false);
   LayeredPanorama panorama = one_layer(base, [](double, double) { return 0.5; });
