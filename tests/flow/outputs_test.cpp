@@ -141,6 +141,9 @@ TEST_F(Outputs, CamerasOfAnotherWorldAreToldOf) {
   turn.col(0) *= -1, turn.col(2) *= -1;
   cameras[1].pose.centre += Eigen::Vector3d(5, 0, 0);  // metres, from an arm's length
   EXPECT_THAT(rendered().err, HasSubstr("1 of 2 cameras stand far from where views hold"));
+  cameras[0].pose.centre += Eigen::Vector3d(5, 0, 0);
+  turn.col(0) *= -1, turn.col(2) *= -1;
+  EXPECT_THAT(rendered().err, HasSubstr("2 of 2 cameras stand far")) << "though one of them sees nothing besides";
 }
 
 TEST_F(Outputs, WhatExportsAndScenesCameToIsToldInJsonToo) {

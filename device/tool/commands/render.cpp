@@ -211,15 +211,15 @@ bool is_far_off(const LayeredPanorama& panorama, const Camera& camera) {
 void warn_of_cameras(const RenderCommand& command, const LayeredPanorama& panorama, const std::vector<Camera>& cameras,
                      const Rendered& totals) {
   if (command.cameras.empty()) return;
-  const auto far =
-      std::count_if(cameras.begin(), cameras.end(), [&](const Camera& camera) { return is_far_off(panorama, camera); });
+  const auto far = static_cast<int>(std::count_if(cameras.begin(), cameras.end(),
+                                                  [&](const Camera& camera) { return is_far_off(panorama, camera); }));
   if (totals.blind == 0 && far == 0) return;
   std::fprintf(
       stderr,
       "ldp render: %d of %d cameras %s: give cameras in the coordinates of those that this writes: ldp export %s -o "
       "cameras.json\n",
-      totals.blind > 0 ? totals.blind : static_cast<int>(far), totals.views,
-      totals.blind > 0 ? "see nothing of the panorama" : "stand far from where views hold (ldp info)",
+      std::max(totals.blind, far), totals.views,
+      far > totals.blind ? "stand far from where views hold (ldp info)" : "see nothing of the panorama",
       printable(in_shell({command.input.file})).c_str());
 }
 
