@@ -16,15 +16,6 @@ constexpr double kCostPerDegree = 64;
 constexpr double kCostPerRadian = kCostPerDegree * 180 / std::numbers::pi;
 constexpr int kColumnsAtOnce = 64;
 
-// Between four samples of a picture stored column by column.
-uint8_t interpolated(const GreyImage& columns, double x_px, double y_px) {
-  const int x16 = static_cast<int>((x_px - 0.5) * 16), y16 = static_cast<int>((y_px - 0.5) * 16);
-  const int right = x16 & 15, below = y16 & 15;
-  const uint8_t *a = columns.row(x16 >> 4) + (y16 >> 4), *b = columns.row((x16 >> 4) + 1) + (y16 >> 4);
-  const int left_side = a[0] * (16 - below) + a[1] * below, right_side = b[0] * (16 - below) + b[1] * below;
-  return static_cast<uint8_t>((left_side * (16 - right) + right_side * right + 128) >> 8);
-}
-
 // The values in the middle when sorted: of an odd number the median twice.
 struct Middle {
   int low = 0, high = 0;
@@ -118,8 +109,9 @@ SourceCandidates::Candidate SourceCandidates::candidate(uint16_t frame, int x, i
   const double off_x = (x_px - camera.cx) / camera.width, off_y = (y_px - camera.cy) / camera.height;
   const double off_axis = options_.off_axis_deg * 2 * (off_x * off_x + off_y * off_y);
   const double cost = chord * kCostPerRadian + kCostPerDegree * (off_axis + (seen.mixed ? options_.mixed_deg : 0));
-  return {frame, static_cast<int>(cost), interpolated(frames_[frame].columns, x_px, y_px),
-          interpolated(frames_[frame].tint, x_px, y_px)};
+  const int x16 = static_cast<int>((x_px - 0.5) * 16), y16 = static_cast<int>((y_px - 0.5) * 16);
+  return {frame, static_cast<int>(cost), interpolated(frames_[frame].columns, x16, y16),
+          interpolated(frames_[frame].tint, x16, y16)};
 }
 
 int SourceCandidates::candidates(int x, int y, uint16_t frame[16], uint16_t cost[16]) const {

@@ -27,14 +27,15 @@ constexpr int kClearlyCheaper = 4;
 // How photographs contradict a surface (photo_consistency.h).
 constexpr size_t kWitnesses = 4;                          // cameras next to one that are asked
 constexpr double kWitnessCosine = 0.3;                    // between their axes at least: 72 degrees
-constexpr int kWitnessNoise = 2;                          // grey levels that samples of one surface may differ by
+constexpr int kWitnessNoise = 1;                          // grey levels that samples of one surface may differ by
+constexpr int kWitnessPartOfPx = 4;                       // one by this of a pixel may a sample be beside its place
 constexpr int kWitnessMostDiffer = 24;                    // grey levels: what differs more is just another surface
 constexpr int kDifferenceSteps = 16;                      // to a grey level
 constexpr int kUnknownDifference = 6 * kDifferenceSteps;  // of what no other camera sees
 // By so much less must all cameras contradict a proposal, summed over what is decided on together: less is noise. (This
 // and the next are of all columns, and less where fewer are compared.)
-constexpr int kPreferred = 32 * kDifferenceSteps;
+constexpr int kPreferred = 10 * kDifferenceSteps;
 // What a pixel's being apart by kRoughApartPx from one of its four neighbours weighs against that.
-constexpr int kRoughness = 2 * kDifferenceSteps;
+constexpr int kRoughness = 3 * kDifferenceSteps;
 
 }  // namespace ldp::layers::tuning

@@ -150,8 +150,8 @@ TEST(ViewKernels, AWitnessSeesASurfaceWhereItIsProjected) {
       ASSERT_EQ(best[0][i] >= 0, seen) << x << ", " << y;
       if (!seen) continue;
       ++inside;
-      ASSERT_NEAR(best[0][i], x - 0.5, 0.51);
-      ASSERT_NEAR(best[1][i], y - 0.5, 0.51);
+      ASSERT_NEAR(best[0][i], 16 * x - 0.5, 0.52);
+      ASSERT_NEAR(best[1][i], 16 * y - 0.5, 0.52);
       ASSERT_NEAR(best[2][i], std::fmin(steps[i] * 1.1 / forward, 65535) + 3 - 0.5, 0.6);
     }
   }

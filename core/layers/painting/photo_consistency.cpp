@@ -30,6 +30,12 @@ simde__m128i samples_of_column(const UprightFrame& frame, int x, int y) {
   return simde_mm_cvtsi64_si128(static_cast<int64_t>(both));
 }
 
+// Of a sample and the least and largest around it: what lies a part of a pixel away.
+PhotoConsistency::Range near_range(int sample, int low, int high) {
+  const auto part = [](int apart) { return (apart + kWitnessPartOfPx - 1) / kWitnessPartOfPx; };
+  return {sample - part(sample - low), sample + part(high - sample)};
+}
+
 Around around(const UprightFrame& frame, int x, int y) {
   const simde__m128i before = samples_of_column(frame, x - 1, y), own = samples_of_column(frame, x, y),
                      after = samples_of_column(frame, x + 1, y);
@@ -39,11 +45,8 @@ Around around(const UprightFrame& frame, int x, int y) {
   high = simde_mm_max_epu8(simde_mm_max_epu8(high, simde_mm_srli_epi32(high, 8)), simde_mm_srli_epi32(high, 16));
   const auto lows = static_cast<uint64_t>(simde_mm_cvtsi128_si64(low)),
              highs = static_cast<uint64_t>(simde_mm_cvtsi128_si64(high));
-  return {true,
-          frame.columns.row(x)[y],
-          frame.tint.row(x)[y],
-          {static_cast<uint8_t>(lows), static_cast<uint8_t>(highs)},
-          {static_cast<uint8_t>(lows >> 32), static_cast<uint8_t>(highs >> 32)}};
+  return {true, near_range(frame.columns.row(x)[y], static_cast<uint8_t>(lows), static_cast<uint8_t>(highs)),
+          near_range(frame.tint.row(x)[y], static_cast<uint8_t>(lows >> 32), static_cast<uint8_t>(highs >> 32))};
 }
 
 bool has_neighbours(const UprightFrame& frame, int x, int y) {
@@ -52,24 +55,16 @@ bool has_neighbours(const UprightFrame& frame, int x, int y) {
   return y >= frame.valid_begin[column] + 1 && y + 1 < frame.valid_end[column];
 }
 
-// Half a pixel around or not.
-int farthest_apart(const Around& a, const UprightFrame& b, int x, int y) {
-  return std::abs(a.grey - b.columns.row(x)[y]) + std::abs(a.tint - b.tint.row(x)[y]);
-}
-
-int apart(const Around& a, const Around& b) {
-  return std::max(b.greys.outside(a.grey), a.greys.outside(b.grey)) +
-         std::max(b.tints.outside(a.tint), a.tints.outside(b.tint));
-}
-
 // What its witnesses tell of a pixel.
 struct Told {
   int sum = 0, views = 0;
 
-  void compare(const Around& own, const UprightFrame& other, int x, int y) {
+  // At a place of the other photograph that has samples all around.
+  void compare(const Around& own, const UprightFrame& other, int x16, int y16) {
     ++views;
-    if (farthest_apart(own, other, x, y) <= kWitnessNoise) return;
-    sum += std::clamp(apart(own, around(other, x, y)) - kWitnessNoise, 0, kWitnessMostDiffer) * kDifferenceSteps;
+    const int apart = own.greys.outside(interpolated(other.columns, x16 - 8, y16 - 8)) +
+                      own.tints.outside(interpolated(other.tint, x16 - 8, y16 - 8));
+    sum += std::clamp(apart - kWitnessNoise, 0, kWitnessMostDiffer) * kDifferenceSteps;
   }
 };
 
@@ -143,7 +138,7 @@ void PhotoConsistency::differences(size_t k, const Pixels& pixels, const std::ve
   const size_t count = pixels.rows.size(), padded = count + kernels::kPadding;
   std::vector<int32_t> memory(5 * padded);
   const auto row = [&](size_t i) { return memory.data() + i * padded; };
-  int32_t *rows = row(0), *steps = row(1), *x = row(2), *y = row(3), *nearest = row(4);
+  int32_t *rows = row(0), *steps = row(1), *x16 = row(2), *y16 = row(3), *nearest = row(4);
   for (size_t i = 0; i < count; ++i) {
     rows[i] = pixels.rows[i];
     steps[i] = surface[rows[i]];
@@ -153,11 +148,13 @@ void PhotoConsistency::differences(size_t k, const Pixels& pixels, const std::ve
     const UprightFrame& other = frames_[to.frame];
     const VisibilityMap& map = *maps[to.frame];
     const kernels::ToWitness there = to.from_column(own.camera, other.camera, pixels.x, *maps[k], map);
-    kernels::best().look_from_witness(there, rows, steps, static_cast<int>(count), x, y, nearest);
-    for (size_t i = 0; i < count; ++i)
-      if (pixels.samples[i].inside && steps[i] != kUncovered && x[i] >= 0 && has_neighbours(other, x[i], y[i]) &&
-          map.inverse_z.row(x[i] / columns_apart_)[y[i]] <= nearest[i])
-        told[i].compare(pixels.samples[i], other, x[i], y[i]);
+    kernels::best().look_from_witness(there, rows, steps, static_cast<int>(count), x16, y16, nearest);
+    for (size_t i = 0; i < count; ++i) {
+      const int x = x16[i] >> 4, y = y16[i] >> 4;
+      if (pixels.samples[i].inside && steps[i] != kUncovered && x16[i] >= 0 && has_neighbours(other, x, y) &&
+          map.inverse_z.row(x / columns_apart_)[y] <= nearest[i])
+        told[i].compare(pixels.samples[i], other, x16[i], y16[i]);
+    }
   }
   found.clear();
   for (const Told& pixel : told) found.push_back(pixel.views == 0 ? kUnknownDifference : pixel.sum / pixel.views);

@@ -29,10 +29,9 @@ class PhotoConsistency {
     int outside(int value) const { return std::max({0, value - high, low - value}); }
   };
 
-  // A sample of a photograph, and the range of the 3x3 samples around it.
+  // What a photograph shows less than a part of a pixel (kWitnessPartOfPx) around a sample, by the 3x3 there.
   struct Around {
     bool inside = false;  // are those of the photograph? Of others nothing else is told.
-    int grey = 0, tint = 0;
     Range greys, tints;
   };
 
@@ -47,7 +46,8 @@ class PhotoConsistency {
   void look(size_t k, Pixels& pixels) const;
 
   // Mean difference [1/kDifferenceSteps grey levels] of each of camera k's pixels that were looked at, where it sees
-  // the surface of maps[k], from the cameras that see it there too; what half a pixel may change is none.
+  // the surface of maps[k], from what cameras that see it there too show, between their pixels; what a part of a pixel
+  // may change is none.
   // kUnknownDifference where no other does, or no surface is. Maps of other cameras than k and its witnesses may be
   // null.
   void differences(size_t k, const Pixels& pixels, const std::vector<const VisibilityMap*>& maps,

@@ -57,10 +57,10 @@ struct Kernels {
   void (*find_boxes)(const DisparityColumn& column, const ColumnInView& view, const float* edges_v, int count,
                      const Boxes& boxes);
 
-  // Where the other camera would see the surface at rows[i], steps[i]: column x[i], row y[i]; x[i] = -1 where it is not
-  // in its picture. It does where the other map is at most nearest[i] there.
-  void (*look_from_witness)(const ToWitness& to, const int32_t* rows, const int32_t* steps, int count, int32_t* x,
-                            int32_t* y, int32_t* nearest);
+  // Where the other camera would see the surface at rows[i], steps[i], in 1/16 px from its picture's corner; x16[i] =
+  // -1 where it is not in its picture. It does where the other map is at most nearest[i] there.
+  void (*look_from_witness)(const ToWitness& to, const int32_t* rows, const int32_t* steps, int count, int32_t* x16,
+                            int32_t* y16, int32_t* nearest);
 };
 
 const Kernels& best();   // for the processor at hand
