@@ -3,7 +3,6 @@
 #include <simde/x86/sse2.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 
 #include "core/base/exact_math.h"

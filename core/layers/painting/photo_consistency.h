@@ -29,7 +29,7 @@ class PhotoConsistency {
     int outside(int value) const { return std::max({0, value - high, low - value}); }
   };
 
-  // What a photograph shows less than a part of a pixel (kWitnessPartOfPx) around a sample, by the 3x3 there.
+  // What a photograph shows within a part of a pixel (kWitnessPartOfPx) of a sample, by the 3x3 around it.
   struct Around {
     bool inside = false;  // are those of the photograph? Of others nothing else is told.
     Range greys, tints;
