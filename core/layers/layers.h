@@ -42,9 +42,11 @@ constexpr int kLabelSteps = kDisparitySteps / (kLabels - 1);  // disparity steps
 void add_layer(const PanoramaGrid& grid, const DisparityMap& layer, const std::vector<UprightFrame>& frames,
                const LayersOptions& options, const Job& job, std::vector<VisibilityMap>& maps);
 
-// The farthest disparity within `reach_px` of each pixel: what is left of surfaces well inside their outlines, and so
-// surely hides what lies behind. (Windows of matching make near surfaces a few pixels too wide.)
-DisparityMap without_silhouettes(const PanoramaGrid& grid, const DisparityMap& layer, int reach_px);
+// The farthest and the nearest disparity in the square that reaches `reach_px` from each pixel (morphology.cpp). The
+// farthest are what is left of surfaces well inside their outlines, and so surely hides what lies behind. (Windows of
+// matching make near surfaces a few pixels too wide.) Absent pixels hold kNoDisparity, and are nearer than none.
+DisparityMap farthest_around(const PanoramaGrid& grid, const DisparityMap& layer, int reach_px);
+DisparityMap nearest_around(const PanoramaGrid& grid, const DisparityMap& layer, int reach_px);
 
 enum Want : uint8_t { kUnwanted = 0, kWanted = 1, kBoundary = 2 };
 
@@ -80,6 +82,13 @@ void fit_outlines(const PanoramaGrid& grid, const std::vector<UprightFrame>& fra
 
 // What lies `right` and `down` pixels from each pixel (of the panorama's edge, beyond it).
 DisparityMap shifted(const PanoramaGrid& grid, const DisparityMap& layer, int right, int down);
+
+enum class Lightness : uint8_t { as_around, lighter, darker };
+
+// Of each pixel of a layer, as the camera next to its ray shows it, against the mean of the square that reaches
+// `reach_px` from it (lightness.cpp).
+Plane<Lightness> lightness(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const DisparityMap& layer,
+                           int reach_px, const Job& job);
 
 // Remembers of every pixel that is read which label is cheapest, and which ones nearly are (unsmoothed.cpp): smoothness
 // takes away what is thin.

@@ -21,20 +21,24 @@ constexpr int kSmoothness = 3 * kGreySteps / 4;  // gain of each of the eight ne
 constexpr double kFusionApartPx = 2;  // surfaces differ where parallax between them exceeds this
 constexpr double kRoughApartPx = 8;   // what is apart by more parallax is not rougher still
 
+// What is lighter or darker than what is around it (lightness.cpp): by more than so many grey levels.
+constexpr int kLightnessDiffers = 4;
+
 // What matches best without smoothness (unsmoothed.cpp): by more than this, in 1/kCostScale grey levels.
 constexpr int kClearlyCheaper = 4;
 
 // How photographs contradict a surface (photo_consistency.h).
-constexpr size_t kWitnesses = 4;                          // cameras next to one that are asked
-constexpr double kWitnessCosine = 0.3;                    // between their axes at least: 72 degrees
-constexpr int kWitnessNoise = 1;                          // grey levels that samples of one surface may differ by
-constexpr int kWitnessPartOfPx = 4;                       // by one part of so many a pixel may lie beside its place
-constexpr int kWitnessMostDiffer = 24;                    // grey levels: what differs more is just another surface
-constexpr int kDifferenceSteps = 16;                      // to a grey level
-constexpr int kUnknownDifference = 6 * kDifferenceSteps;  // of what no other camera sees
+constexpr size_t kWitnesses = 4;                            // cameras next to one that are asked
+constexpr double kWitnessCosine = 0.3;                      // between their axes at least: 72 degrees
+constexpr int kWitnessNoise = 1;                            // grey levels that samples of one surface may differ by
+constexpr int kWitnessPartOfPx = 4;                         // by one part of so many a pixel may lie beside its place
+constexpr int kWitnessMostDiffer = 24;                      // grey levels: what differs more is just another surface
+constexpr int kDifferenceSteps = 16;                        // to a grey level
+constexpr int kUnknownDifference = 6 * kDifferenceSteps;    // of what no other camera sees
+constexpr int kUncoveredDifference = 2 * kDifferenceSteps;  // more, where only what lies beside may go on to
 // By so much less must all cameras contradict a proposal, summed over what is decided on together: less is noise. (This
 // and the next are of all columns, and less where fewer are compared.)
-constexpr int kPreferred = 10 * kDifferenceSteps;
+constexpr int kPreferred = 7 * kDifferenceSteps;
 // What a pixel's being apart by kRoughApartPx from one of its four neighbours weighs against that.
 constexpr int kRoughness = 3 * kDifferenceSteps;
 

@@ -1,4 +1,4 @@
-// Greyscale erosion and translation of disparity.
+// Greyscale erosion, dilation and translation of disparity.
 #include <algorithm>
 #include <cstddef>
 #include <vector>
@@ -16,24 +16,48 @@ int column_beside(const PanoramaGrid& grid, int x) {
   return inside < 0 ? std::clamp(x, 0, grid.width - 1) : inside;
 }
 
+// Of squares that reach so far: of lines of samples twice as long each time, one after another across and down.
+template <class Pick>
+DisparityMap extreme_around(const PanoramaGrid& grid, const DisparityMap& layer, int reach_px, Pick pick) {
+  const int across = std::min(reach_px, layer.width), down = std::min(reach_px, layer.height);
+  DisparityMap rows(layer.width, layer.height + 2 * down), out(layer.width, layer.height);
+  std::vector<uint16_t> row(static_cast<size_t>(layer.width + 2 * across));
+  for (int y = 0; y < layer.height; ++y) {
+    for (int x = -across; x < layer.width + across; ++x)
+      row[static_cast<size_t>(x + across)] = layer.at(column_beside(grid, x), y);
+    const int window = 2 * across + 1;
+    int length = 1;
+    for (; 2 * length <= window; length *= 2)
+      std::transform(row.begin(), row.end() - length, row.begin() + length, row.begin(), pick);
+    std::transform(row.begin(), row.begin() + layer.width, row.begin() + window - length, rows.row(y + down), pick);
+  }
+  for (int y = 0; y < down; ++y) {  // beyond the edge as at it
+    std::copy_n(rows.row(down), layer.width, rows.row(y));
+    std::copy_n(rows.row(down + layer.height - 1), layer.width, rows.row(down + layer.height + y));
+  }
+  const int window = 2 * down + 1;
+  int length = 1;
+  for (; 2 * length <= window; length *= 2)
+    for (int y = 0; y + length < rows.height; ++y)
+      std::transform(rows.row(y), rows.row(y) + layer.width, rows.row(y + length), rows.row(y), pick);
+  for (int y = 0; y < layer.height; ++y)
+    std::transform(rows.row(y), rows.row(y) + layer.width, rows.row(y + window - length), out.row(y), pick);
+  return out;
+}
+
 }  // namespace
 
-DisparityMap without_silhouettes(const PanoramaGrid& grid, const DisparityMap& layer, int reach_px) {
-  const int reach = std::min(reach_px, layer.width);
-  DisparityMap rows = layer, both;
-  const std::ptrdiff_t window = 2 * std::ptrdiff_t{reach} + 1;
-  std::vector<uint16_t> row(static_cast<size_t>(layer.width + 2 * reach));
-  for (int y = 0; y < layer.height; ++y) {
-    for (int x = -reach; x < layer.width + reach; ++x)
-      row[static_cast<size_t>(x + reach)] = layer.at(column_beside(grid, x), y);
-    for (int x = 0; x < layer.width; ++x) rows.at(x, y) = *std::min_element(row.begin() + x, row.begin() + x + window);
-  }
-  both = rows;
-  for (int y = 0; y < layer.height; ++y)
-    for (int at = std::max(0, y - reach_px); at < std::min(layer.height, y + reach_px + 1); ++at)
-      std::transform(both.row(y), both.row(y) + layer.width, rows.row(at), both.row(y),
-                     [](uint16_t a, uint16_t b) { return std::min(a, b); });
-  return both;
+DisparityMap farthest_around(const PanoramaGrid& grid, const DisparityMap& layer, int reach_px) {
+  return extreme_around(grid, layer, reach_px, [](uint16_t a, uint16_t b) { return std::min(a, b); });
+}
+
+DisparityMap nearest_around(const PanoramaGrid& grid, const DisparityMap& layer, int reach_px) {
+  constexpr uint16_t kStep = 1;  // absent pixels, which hold the most there is, become the least
+  DisparityMap raised = layer;
+  for (uint16_t& d : raised.samples) d = static_cast<uint16_t>(d + kStep);
+  raised = extreme_around(grid, raised, reach_px, [](uint16_t a, uint16_t b) { return std::max(a, b); });
+  for (uint16_t& d : raised.samples) d = static_cast<uint16_t>(d - kStep);
+  return raised;
 }
 
 DisparityMap shifted(const PanoramaGrid& grid, const DisparityMap& layer, int right, int down) {

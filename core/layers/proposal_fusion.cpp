@@ -86,6 +86,7 @@ void Hypothesis::look(size_t camera) {
   assign(view->seen, from.height, columns_of_map(from, columns_apart_), kSeesNothing);
   MapPainter painter(brush_, from, view->map, &view->seen, columns_apart_);
   for (int x = 0; x < brush_.grid.width; ++x) painter.paint(x);
+  continue_farther_surfaces(view->map);
   maps_[camera] = &view->map;
   views_[camera] = std::move(view);
 }
@@ -114,6 +115,13 @@ void for_each_camera(const PhotoConsistency& photos, size_t cameras, const std::
     parallel_for(job, static_cast<int>(end - first), [&](int i) { use(first + static_cast<size_t>(i)); });
     kept = std::move(wanted);
   }
+}
+
+// By how much the others contradict what a camera sees of a map, and a little more where the map itself shows nothing:
+// that the farther surface goes on there is a guess.
+int contradiction(int differs, uint32_t seen) {
+  const bool guessed = seen == kSeesNothing && differs != kUnknownDifference;
+  return guessed ? differs + kUncoveredDifference : differs;
 }
 
 // Sums over pixels, of which cameras add to one at the same time. (Integers: their order does not matter.)
@@ -296,7 +304,7 @@ Plane<int32_t> ProposalFusion::gains(const Plane<uint8_t>& changes, const Dispar
       photos_.differences(camera, asked, other.maps(), of_other);
       for (size_t i = 0; i < asked.rows.size(); ++i) {
         const uint32_t hidden = before[asked.rows[i]], shown = after[asked.rows[i]];
-        const int gain = of_own[i] - of_other[i];
+        const int gain = contradiction(of_own[i], hidden) - contradiction(of_other[i], shown);
         if (changed(hidden)) sums.add(hidden, gain);
         if (changed(shown) && shown != hidden) sums.add(shown, gain);
       }

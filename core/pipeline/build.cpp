@@ -150,7 +150,7 @@ class Build {
   std::vector<VisibilityMap> sure_visibility() {
     std::vector<VisibilityMap> maps;
     if (layers_.empty()) return maps;
-    add_layer(grid_, without_silhouettes(grid_, layers_[0], kSilhouettePx), upright_, {}, job_, maps);
+    add_layer(grid_, farthest_around(grid_, layers_[0], kSilhouettePx), upright_, {}, job_, maps);
     watch_.lap("visibility");
     return maps;
   }
@@ -197,6 +197,7 @@ class Build {
       fusion.fuse(before, kIterationsReachPx, job_, layer);
     }
     fusion.fuse(over(std::exchange(unsmoothed_, {}), layer), kPropagationReachPx, job_, layer);
+    offer_by_lightness(fusion, layer);
     const auto offer = [&](int right, int down) {
       fusion.fuse(shifted(grid_, layer, right, down), kPropagationReachPx, job_, layer);
     };
@@ -205,6 +206,19 @@ class Build {
     for (const int px : effort_.propagation_px)
       for (const auto& [right, down] : {std::pair(px, 0), {-px, 0}, {0, px}, {0, -px}}) offer(right, down);
     absorb_specks(grid_, kFrontSpeckPx, layer);
+  }
+
+  // What is lighter, or darker, than what is around it is offered the nearest and the farthest surface there: where a
+  // wire breaks, and between leaves.
+  void offer_by_lightness(ProposalFusion& fusion, DisparityMap& layer) const {
+    const Plane<Lightness> alike = lightness(grid_, upright_, layer, kLightnessReachPx, job_);
+    for (const Lightness kind : {Lightness::lighter, Lightness::darker})
+      for (const auto around : {nearest_around, farthest_around}) {
+        DisparityMap proposal = around(grid_, layer, kLightnessReachPx);
+        for (size_t i = 0; i < proposal.samples.size(); ++i)
+          if (alike.samples[i] != kind) proposal.samples[i] = layer.samples[i];
+        fusion.fuse(proposal, kPropagationReachPx, job_, layer);
+      }
   }
 
   // `front` where it is present.

@@ -28,8 +28,9 @@ constexpr int kSpeckPx = 8;         // parts of layers behind that hold fewer pi
 // The photographs choose between depth maps by what changes within so many pixels: between those of two iterations, and
 // between the surface of a pixel and others around it (effort.h).
 constexpr int kIterationsReachPx = 12, kPropagationReachPx = 1;
-constexpr int kUnsmoothedPx = 40;  // parts of what matches best without smoothness, of fewer pixels, are chance
-constexpr int kFrontSpeckPx = 30;  // what is left of fewer pixels, apart from all around it, is noise
-constexpr int kSilhouettePx = 4;   // by so much the sweep's windows may widen a near surface, and the cut a little more
+constexpr int kLightnessReachPx = 16;  // of what is around a pixel that is lighter or darker
+constexpr int kUnsmoothedPx = 40;      // parts of what matches best without smoothness, of fewer pixels, are chance
+constexpr int kFrontSpeckPx = 30;      // what is left of fewer pixels, apart from all around it, is noise
+constexpr int kSilhouettePx = 4;  // by so much the sweep's windows may widen a near surface, and the cut a little more
 
 }  // namespace ldp::pipeline

@@ -75,14 +75,14 @@ TEST(Visibility, StopsWhenAsked) {
   EXPECT_THROW(visibility(grid, {&map}, three_cameras(), {}, job), Cancelled);
 }
 
-TEST(WithoutSilhouettes, TakesTheFarthestWithinReachAndKeepsBroadSurfaces) {
+TEST(FarthestAround, TakesTheFarthestWithinReachAndKeepsBroadSurfaces) {
   DisparityMap map(30, 20, 100);
   for (int y = 5; y < 15; ++y)
     for (int x = 10; x < 20; ++x) map.at(x, y) = 3000;
   map.at(2, 2) = 3500;
   PanoramaGrid grid = simple_grid(0.5);
   grid.width = 30, grid.height = 20;
-  const DisparityMap sure = without_silhouettes(grid, map, 3);
+  const DisparityMap sure = farthest_around(grid, map, 3);
   for (int y = 0; y < 20; ++y)
     for (int x = 0; x < 30; ++x) {
       const bool inside = x >= 13 && x < 17 && y >= 8 && y < 12;
@@ -90,21 +90,48 @@ TEST(WithoutSilhouettes, TakesTheFarthestWithinReachAndKeepsBroadSurfaces) {
     }
 }
 
-TEST(WithoutSilhouettes, TheSeamOfAClosedPanoramaIsNoEnd) {
+TEST(FarthestAround, TheSeamOfAClosedPanoramaIsNoEnd) {
   PanoramaGrid grid = simple_grid(0.5);
   DisparityMap map(grid.width, grid.height, 3000);
   for (int y = 0; y < grid.height; ++y)
     for (int x = 0; x < grid.width; ++x)
       if ((x * 31 + y * 17) % 23 == 0) map.at(x, y) = static_cast<uint16_t>(100 + x);
-  const DisparityMap open = without_silhouettes(grid, map, 4);
+  const DisparityMap open = farthest_around(grid, map, 4);
   grid.wraps = true;
-  const DisparityMap closed = without_silhouettes(grid, map, 4);
+  const DisparityMap closed = farthest_around(grid, map, 4);
   EXPECT_NE(closed, open);
   for (const int columns : {1, 7, 50})
-    EXPECT_EQ(without_silhouettes(grid, rotated(map, columns), 4), rotated(closed, columns));
-  const DisparityMap all_round = without_silhouettes(grid, map, 1000);
+    EXPECT_EQ(farthest_around(grid, rotated(map, columns), 4), rotated(closed, columns));
+  const DisparityMap all_round = farthest_around(grid, map, 1000);
   EXPECT_EQ(all_round,
             DisparityMap(grid.width, grid.height, *std::min_element(map.samples.begin(), map.samples.end())));
+}
+
+TEST(NearestAround, IsTheNearestOfASquareAndNeverWhatIsAbsent) {
+  PanoramaGrid grid = simple_grid(0.5);
+  grid.width = 40, grid.height = 30;
+  DisparityMap map(grid.width, grid.height);
+  for (size_t i = 0; i < map.samples.size(); ++i)
+    map.samples[i] = i % 7 == 3 ? kNoDisparity : static_cast<uint16_t>(i * 7919 % 3000);
+  for (int y = 10; y < 20; ++y)
+    for (int x = 10; x < 20; ++x) map.at(x, y) = kNoDisparity;
+  for (const bool wraps : {false, true})
+    for (const int reach : {0, 1, 3, 4, 100}) {
+      grid.wraps = wraps;
+      const DisparityMap nearest = nearest_around(grid, map, reach), farthest = farthest_around(grid, map, reach);
+      for (int y = 0; y < grid.height; ++y)
+        for (int x = 0; x < grid.width; ++x) {
+          int most = -1, least = kNoDisparity;
+          for (int ny = std::max(0, y - reach); ny <= std::min(grid.height - 1, y + reach); ++ny)
+            for (int nx = x - std::min(reach, 40); nx <= x + std::min(reach, 40); ++nx) {
+              if (!wraps && (nx < 0 || nx >= grid.width)) continue;
+              const int d = map.at((nx + grid.width) % grid.width, ny);
+              if (d != kNoDisparity) most = std::max(most, d), least = std::min(least, d);
+            }
+          ASSERT_EQ(nearest.at(x, y), most < 0 ? kNoDisparity : most) << x << ", " << y << ", " << reach;
+          ASSERT_EQ(farthest.at(x, y), least) << x << ", " << y << ", " << reach;
+        }
+    }
 }
 
 TEST(Shifted, OffersWhatLiesBesideAndRoundTheSeamButNothingBeyondAnEdge) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "core/layers/layers.h"
@@ -19,6 +20,16 @@ inline DisparityMap square_before_the_sky(const PanoramaGrid& grid) {
   for (int y = 20; y < 40; ++y)
     for (int x = kFirst; x < kEnd; ++x) map.at(x, y) = kNearSteps;
   return map;
+}
+
+// All round, with its seam so many columns to the left of where the cameras look; the square stays before them.
+inline PanoramaGrid closed_grid(int seam) {
+  PanoramaGrid grid = simple_grid(0.5);
+  grid.width = 640;
+  grid.theta_pitch = 2 * std::numbers::pi / grid.width;
+  grid.theta_left = seam * grid.theta_pitch;
+  grid.wraps = true;
+  return grid;
 }
 
 inline std::vector<UprightFrame> three_cameras() {

@@ -1,6 +1,8 @@
 #include "core/layers/painting/map_painter.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/geometry/same_surface.h"
 #include "core/layers/neighbours.h"
@@ -140,6 +142,24 @@ void empty_map(const PanoramaGrid& grid, const UprightCamera& camera, const Laye
   map.scale = nearest / 65535;
   const double label = (grid.w_near - grid.w_far) / (kLabels - 1);
   map.tolerance = static_cast<int>(std::min(65535.0, std::ceil(options.tolerance_labels * label / map.scale)));
+}
+
+void continue_farther_surfaces(VisibilityMap& map) {
+  Plane<uint16_t>& columns = map.inverse_z;
+  constexpr int kNone = -1;
+  std::vector<int> covered(static_cast<size_t>(columns.width), kNone);  // of each row, the last column that is
+  for (int x = 0; x < columns.height; ++x) {
+    const uint16_t* own = columns.row(x);
+    for (int y = 0; y < columns.width; ++y) {
+      if (own[y] == kUncovered) continue;
+      int& last = covered[static_cast<size_t>(y)];
+      if (last != kNone && last + 1 < x) {
+        const uint16_t farther = std::min(columns.at(y, last), own[y]);
+        for (int between = last + 1; between < x; ++between) columns.at(y, between) = farther;
+      }
+      last = x;
+    }
+  }
 }
 
 }  // namespace ldp::layers

@@ -80,6 +80,9 @@ void assign(Plane<T>& plane, int width, int height, T value) {
 void empty_map(const PanoramaGrid& grid, const UprightCamera& camera, const LayersOptions& options, VisibilityMap& map,
                int columns_apart = 1);
 
+// What no surface covers between two that a row shows becomes the farther of the two, which goes on there.
+void continue_farther_surfaces(VisibilityMap& map);
+
 // Of a camera's columns, how many a map holds.
 inline int columns_of_map(const UprightCamera& camera, int columns_apart) {
   return (camera.width + columns_apart - 1) / columns_apart;
