@@ -28,9 +28,9 @@ struct EffortOptions {
 
 namespace efforts {  // figures: decisions.md
 inline constexpr std::array kUprightPx{28};
-inline constexpr std::array kFastPropagationPx{6};
-inline constexpr std::array kStandardPropagationPx{8, 3};
-inline constexpr std::array kBestPropagationPx{16, 8, 4, 2};
+inline constexpr std::array kFastPropagationPx{4};
+inline constexpr std::array kStandardPropagationPx{8, 3, 1};
+inline constexpr std::array kBestPropagationPx{16, 8, 4, 2, 1};
 inline constexpr std::array<EffortOptions, 3> kTable = {{
     {"fast", 1.25, 1, 4, 0, 2, kUprightPx, kFastPropagationPx},
     {"standard", 1.0, 2, 8, 1, 2, kUprightPx, kStandardPropagationPx},
