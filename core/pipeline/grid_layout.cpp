@@ -54,7 +54,7 @@ GridLayout::GridLayout(const Poses& poses, const ArcFit& fit, const BuildOptions
   if (fit.forward) {
     notes_.push_back(
         "the camera moved along its line of sight: the panorama is laid round one point, and a row of it spans " +
-        in_short(wanted_.pitch_px) + " of the photos'");
+        in_short(wanted_.pitch_px) + " of the photos': for a view that one can look around in, turn along an arc");
   }
   lay_finest(kCoarsest * usual_px);
   check_range();

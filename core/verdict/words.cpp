@@ -73,13 +73,17 @@ std::string reasons_of(const SweepQuality& quality) {
   return text;
 }
 
-std::string text_of(const SweepQuality& quality) {
+const char* text_of(Grade grade) {
   constexpr std::array kNames = {"good", "fair", "sweep again"};
+  return kNames[static_cast<size_t>(grade)];
+}
+
+std::string text_of(const SweepQuality& quality) {
   std::string told = reasons_of(quality);
   if (quality.expected_view_psnr_db > 0)
     told = "new views of about " + std::to_string(std::lround(quality.expected_view_psnr_db)) + " dB" +
            (told.empty() ? "" : "; ") + told;
-  return kNames[static_cast<size_t>(quality.grade)] + (told.empty() ? "" : ": " + told);
+  return std::string(text_of(quality.grade)) + (told.empty() ? "" : ": " + told);
 }
 
 }  // namespace ldp

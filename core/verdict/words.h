@@ -8,6 +8,7 @@
 namespace ldp {
 
 const char* name_of(Grade grade);           // "good", "fair", "sweep_again"
+const char* text_of(Grade grade);           // "sweep again" for people
 const char* code_of(QualityReason reason);  // "blurred", ...
 
 // What is wrong, where, and what to do: "the photos between 40 and 70 degrees are blurred: turn more slowly there".

@@ -34,7 +34,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", "ldpd " LDP_VERSION);
   app.footer(
       "Exit status: 0 stopped or done, 1 no panorama was made or the service failed, 2 unusable arguments, 10 the "
-      "button was held to switch off, 75 what --print-config tells could not be written, 78 bad configuration.");
+      "button was held to switch off, 75 what was asked for could not be printed, 78 bad configuration.");
   app.add_option("--config", arguments.config_file,
                  std::string("configuration file; default ") + kDefaultConfig + " where it exists");
   app.add_option("--camera", arguments.camera, "libcamera:0, v4l2:/dev/video0, folder:DIR?fps=30, scene:NAME?fps=30");
@@ -75,6 +75,13 @@ bool read_configuration(const Arguments& arguments, ldp::Config& config) {
   return good;
 }
 
+// What was printed on a full disk is lost, and that is no success.
+int with_all_printed(int status) {
+  if (ldp::flush_standard_output() || status != 0) return status;
+  std::fprintf(stderr, "ldpd: cannot write to standard output: %s\n", std::strerror(errno));
+  return kTryAgain;
+}
+
 int serve(const Arguments& arguments) {
   ldp::Config config;
   if (!read_configuration(arguments, config)) return kBadConfiguration;
@@ -85,10 +92,7 @@ int serve(const Arguments& arguments) {
     std::fprintf(stderr, "ldpd: --%s\n", ldp::printable(mistake.text).c_str());
   if (!wrong.empty()) return kBadArguments;
   if (arguments.print_config) std::fputs(ldp::config_text(config).c_str(), stdout);
-  if (!ldp::flush_standard_output()) {
-    std::fprintf(stderr, "ldpd: cannot write the configuration: %s\n", std::strerror(errno));
-    return kTryAgain;
-  }
+  if (const int status = with_all_printed(0); status != 0) return status;
   if (arguments.print_config && !arguments.check_config) return 0;
   if (const auto program = ldp::program_of(config); !std::filesystem::exists(program)) {
     std::fprintf(stderr,
@@ -114,7 +118,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
+    if (error.get_exit_code() == 0) return with_all_printed(app.exit(error));
     std::fprintf(stderr, "ldpd: %s\n", ldp::printable(error.what()).c_str());
     return kBadArguments;
   }

@@ -1,5 +1,6 @@
 // ldp: sweeps, panoramas and views from the command line.
 
+#include <fcntl.h>
 #include <malloc.h>
 
 #include <algorithm>
@@ -33,6 +34,12 @@ std::string line_from(const Program& program, const std::string& message) {
   std::string line = (program.command.empty() ? "ldp" : "ldp " + program.command) + ": " + message;
   for (char& c : line) c = c == '\n' ? ' ' : c;
   return printable(line);
+}
+
+std::string open_descriptor(const std::string& text) {
+  int descriptor = -1;
+  const bool open = CLI::detail::lexical_cast(text, descriptor) && ::fcntl(descriptor, F_GETFD) >= 0;
+  return open ? std::string() : "Value " + text + " is no open file descriptor";
 }
 
 int complain(const Program& program, const std::string& message, int status) {
@@ -132,8 +139,9 @@ CLI::App& add_command(Program& program, const std::string& name, const std::stri
   command
       .add_option(
           "--progress-fd", program.session.progress_fd,
-          "Write lines FRACTION STAGE to this file descriptor; a stage 'so far: ...' is what is wrong with a sweep")
-      ->group("");
+          "Write lines FRACTION STAGE to this file descriptor, that a parent opened; a stage 'so far: ...' is what is "
+          "wrong with a sweep")
+      ->check(open_descriptor);
   command.callback([&program, name, run] {
     program.command = name;
     program.chosen = [&program, run] { return run(program.session); };

@@ -95,8 +95,10 @@ TEST_F(GivenCameras, AreTakenFromTheFolderOfAColmapModel) {
   const std::string from = capture();
   const Outcome written = ldp({"poses", from, "--cameras", from + "/transforms.json", "--colmap", path("sparse")});
   ASSERT_EQ(written.status, 0) << written.err;
+  EXPECT_THAT(written.out, testing::EndsWith(path("sparse") + ": cameras and points for COLMAP\n"));
   const Outcome again = ldp({"poses", from, "--cameras", path("sparse"), "-o", path("again.json")});
   ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_THAT(again.out, testing::EndsWith(path("again.json") + ": the cameras\n"));
   const auto truth = nlohmann::json::parse(text_of(from + "/transforms.json"));
   const auto found = nlohmann::json::parse(text_of(path("again.json")));
   ASSERT_EQ(found["frames"].size(), truth["frames"].size());

@@ -192,12 +192,14 @@ TEST_F(LdpdTest, AKeyboardKnowsPressesOnly) {
   EXPECT_THAT(file.said, HasSubstr("ldpd.toml:3: sweep.mode: a terminal"));
 }
 
-TEST_F(LdpdTest, AConfigurationThatCannotBePrintedAsksForAnotherTime) {
-  const Finished run = Process({LDPD_PROGRAM, "--print-config"}, room_ / "said", [] {
-                         if (!freopen("/dev/full", "w", stdout)) _exit(126);
-                       }).wait();
-  EXPECT_EQ(run.status, 75);
-  EXPECT_EQ(run.said, "ldpd: cannot write the configuration: No space left on device\n");
+TEST_F(LdpdTest, WhatCannotBePrintedAsksForAnotherTime) {
+  for (const std::string what : {"--print-config", "--help", "--version"}) {
+    const Finished run = Process({LDPD_PROGRAM, what}, room_ / ("said" + what), [] {
+                           if (!freopen("/dev/full", "w", stdout)) _exit(126);
+                         }).wait();
+    EXPECT_EQ(run.status, 75) << what;
+    EXPECT_EQ(run.said, "ldpd: cannot write to standard output: No space left on device\n");
+  }
 }
 
 TEST_F(LdpdTest, TellsItsVersion) { EXPECT_EQ(Process({LDPD_PROGRAM, "--version"}, room_ / "said").wait().status, 0); }

@@ -26,6 +26,12 @@ TEST_F(Outputs, AFolderNamedLikeAFileIsRefusedUnlessASlashFollows) {
   EXPECT_EQ(ldp(render_path(file, path("film.webp"), 1)).status, 0) << "it is a folder by now";
 }
 
+TEST_F(Outputs, ProgressIsToldToAnOpenDescriptorAlone) {
+  for (const std::string descriptor : {"none", "-1", "77"})
+    expect_refusal({"build", path("capture"), "-o", path("b.ldp"), "--progress-fd", descriptor}, 2,
+                   "--progress-fd: Value " + descriptor + " is no open file descriptor");
+}
+
 TEST_F(Outputs, AShorterPathDoesNotMixWithTheViewsOfALongerOne) {
   const std::string file = small_panorama();
   ASSERT_EQ(ldp(render_path(file, path("views"), 3)).status, 0);

@@ -149,7 +149,7 @@ void print_quality(const std::map<std::string, double>& figures) {
                 quality->photos_back_psnr_db, 100 * quality->unexplained_share);
     for (const DirectionQuality& d : quality->by_direction)
       std::printf("quality   %4.0f to %4.0f degrees: %-11s views of %.1f dB, photos rendered back %.1f dB\n",
-                  d.from_deg, d.to_deg, name_of(d.grade), d.expected_view_psnr_db, d.photos_back_psnr_db);
+                  d.from_deg, d.to_deg, text_of(d.grade), d.expected_view_psnr_db, d.photos_back_psnr_db);
   }
   for (const auto& [name, value] : figures)
     if (!quality || !is_of_verdict(name)) std::printf("quality   %s %.4g\n", printable(name).c_str(), value);

@@ -75,6 +75,11 @@ void write_colmap(const std::filesystem::path& folder, const Poses& poses,
   out.keep();
 }
 
+void print_files(const PosesCommand& command) {
+  if (!command.output.empty()) std::printf("%s: the cameras\n", printable(command.output).c_str());
+  if (!command.colmap.empty()) std::printf("%s: cameras and points for COLMAP\n", printable(command.colmap).c_str());
+}
+
 void print_table(const PosesReport& report) {
   for (const FrameReport& frame : report.frames) {
     if (frame.posed) {
@@ -112,10 +117,12 @@ int run(const PosesCommand& command, const Session& session) {
   bar.reset();
   for (const std::string& what : {sideways(poses.cameras), wrong_exif_lens(poses.report)})
     if (!what.empty()) std::fprintf(stderr, "ldp poses: %s\n", printable(with_switches(what)).c_str());
-  if (session.json)
+  if (session.json) {
     std::printf("%s\n", json_text(poses_json(poses.report), 1).c_str());
-  else
+  } else {
     print_table(poses.report);
+    print_files(command);
+  }
   return kDone;
 }
 

@@ -1,4 +1,5 @@
 #include "device/tool/many/build_outcomes.h"
+#include "device/tool/panorama_input.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -11,6 +12,7 @@
 #include "core/verdict/sweep_quality.h"
 #include "core/verdict/words.h"
 #include "device/tool/own_output.h"
+#include "device/tool/panorama_input.h"
 #include "device/tool/session.h"
 
 namespace ldp {
@@ -42,8 +44,8 @@ void take_quality(const std::optional<SweepQuality>& quality, BuildOutcome& outc
 }
 
 void read_panorama_file(const fs::path& file, BuildOutcome& outcome) {
+  const MappedFile mapped(file);
   try {
-    const MappedFile mapped(file);
     const LdpDescription description = describe_ldp(mapped.bytes());
     take_quality(quality_from(description.panorama.quality), outcome);
     outcome.file_bytes = description.file_bytes;
@@ -51,7 +53,7 @@ void read_panorama_file(const fs::path& file, BuildOutcome& outcome) {
     outcome.thumbnail = description.thumbnail;
   } catch (const LdpError& error) {
     outcome.verdict = kFailed;
-    outcome.reasons = std::string("the file is damaged: ") + error.what();
+    outcome.reasons = refusal_of(mapped.bytes(), std::string("the file is damaged: ") + error.what());
   }
 }
 
@@ -79,6 +81,10 @@ size_t& count_of(const std::string& verdict, Totals& totals) {
   if (verdict == name_of(Grade::fair)) return totals.fair;
   if (verdict == name_of(Grade::sweep_again)) return totals.sweep_again;
   return verdict == kFailed ? totals.failed : totals.unknown;
+}
+
+std::string words_of(const std::string& verdict) {
+  return verdict == name_of(Grade::sweep_again) ? text_of(Grade::sweep_again) : verdict;
 }
 
 template <typename T>
@@ -165,7 +171,7 @@ std::string summary_table(const std::vector<BuildOutcome>& outcomes) {
     if (outcome.peak_memory_bytes) megabytes = 1e-6 * static_cast<double>(*outcome.peak_memory_bytes);
     if (outcome.file_bytes) kilobytes = 1e-3 * static_cast<double>(*outcome.file_bytes);
     std::snprintf(row, sizeof row, "%-28.60s %-12s %8s %8s %8s %8s  ", printable(outcome.name).c_str(),
-                  outcome.verdict.c_str(), cell("%.1f", outcome.expected_view_psnr_db).c_str(),
+                  words_of(outcome.verdict).c_str(), cell("%.1f", outcome.expected_view_psnr_db).c_str(),
                   cell("%.1f", outcome.processor_seconds).c_str(), cell("%.0f", megabytes).c_str(),
                   cell("%.0f", kilobytes).c_str());
     table += row + printable(outcome.reasons) + "\n";
