@@ -1,5 +1,4 @@
 #include "device/tool/many/build_outcomes.h"
-#include "device/tool/panorama_input.h"
 
 #include <algorithm>
 #include <cstdio>
