@@ -44,7 +44,8 @@ void add_layer(const PanoramaGrid& grid, const DisparityMap& layer, const std::v
 
 // The farthest and the nearest disparity in the square that reaches `reach_px` from each pixel (morphology.cpp). The
 // farthest are what is left of surfaces well inside their outlines, and so surely hides what lies behind. (Windows of
-// matching make near surfaces a few pixels too wide.) Absent pixels hold kNoDisparity, and are nearer than none.
+// matching make near surfaces a few pixels too wide.) Absent pixels count for neither: where all are, the square has
+// kNoDisparity.
 DisparityMap farthest_around(const PanoramaGrid& grid, const DisparityMap& layer, int reach_px);
 DisparityMap nearest_around(const PanoramaGrid& grid, const DisparityMap& layer, int reach_px);
 

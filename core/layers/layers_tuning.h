@@ -35,7 +35,7 @@ constexpr int kWitnessPartOfPx = 4;                         // by one part of so
 constexpr int kWitnessMostDiffer = 24;                      // grey levels: what differs more is just another surface
 constexpr int kDifferenceSteps = 16;                        // to a grey level
 constexpr int kUnknownDifference = 6 * kDifferenceSteps;    // of what no other camera sees
-constexpr int kUncoveredDifference = 2 * kDifferenceSteps;  // more, where only what lies beside may go on to
+constexpr int kUncoveredDifference = 2 * kDifferenceSteps;  // more, where only what goes on from beside shows
 // By so much less must all cameras contradict a proposal, summed over what is decided on together: less is noise. (This
 // and the next are of all columns, and less where fewer are compared.)
 constexpr int kPreferred = 7 * kDifferenceSteps;

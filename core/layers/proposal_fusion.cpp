@@ -39,8 +39,8 @@ std::vector<size_t> with_witnesses(const PhotoConsistency& photos, size_t first,
   return all;
 }
 
-// A depth map as the cameras' columns that are compared see it: painted for some of them at a time, each map let go
-// when no one asks for it.
+// A depth map as the cameras' columns that are compared see it, farther surfaces going on where none covers: painted
+// for some of them at a time, each map let go when no one asks for it.
 class Hypothesis {
  public:
   // All but the map must outlive it.

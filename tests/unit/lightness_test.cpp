@@ -19,19 +19,14 @@ enum class Thing : uint8_t { bar, beam };  // down those columns of the panorama
 
 // A grey sky, with a thing of another grey in it.
 std::vector<UprightFrame> thing_in_the_sky(const PanoramaGrid& grid, int grey, Thing thing = Thing::bar) {
+  const auto shown = [&](const Eigen::Vector3d&, const Eigen::Vector3d& ray) {
+    const double column = (grid.theta_left - std::atan2(ray.y(), ray.x())) / grid.theta_pitch;
+    const double row = (grid.v_top - ray.z() / std::hypot(ray.x(), ray.y())) / grid.v_pitch;
+    const bool there = thing == Thing::bar ? column >= kBar && column < kBarEnd : row >= kBeam && row < kBeamEnd;
+    return there ? grey : 100.0;
+  };
   std::vector<UprightFrame> frames;
-  for (int i = 0; i < 3; ++i) {
-    const Camera camera = camera_at(0.25 - 0.25 * i);
-    frames.push_back(upright_of(camera, i));
-    for (int y = 0; y < camera.intrinsics.height; ++y)
-      for (int x = 0; x < camera.intrinsics.width; ++x) {
-        const Eigen::Vector3d ray = camera.pose.world_from_camera * unproject(camera.intrinsics, {x + 0.5, y + 0.5});
-        const double column = (grid.theta_left - std::atan2(ray.y(), ray.x())) / grid.theta_pitch;
-        const double row = (grid.v_top - ray.z() / std::hypot(ray.x(), ray.y())) / grid.v_pitch;
-        const bool there = thing == Thing::bar ? column >= kBar && column < kBarEnd : row >= kBeam && row < kBeamEnd;
-        frames.back().columns.at(y, x) = static_cast<uint8_t>(there ? grey : 100);
-      }
-  }
+  for (int i = 0; i < 3; ++i) frames.push_back(photograph(0.25 - 0.25 * i, i, shown));
   return frames;
 }
 

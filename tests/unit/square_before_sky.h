@@ -53,6 +53,19 @@ Plane<Sample> rotated(const Plane<Sample>& map, int columns) {
   return result;
 }
 
+// What camera `index` at `angle` of the circle sees: grey(its centre, the direction of a ray).
+template <typename Grey>
+UprightFrame photograph(double angle, int index, const Grey& grey) {
+  const Camera camera = camera_at(angle);
+  UprightFrame frame = upright_of(camera, index);
+  for (int y = 0; y < camera.intrinsics.height; ++y)
+    for (int x = 0; x < camera.intrinsics.width; ++x) {
+      const Eigen::Vector3d ray = camera.pose.world_from_camera * unproject(camera.intrinsics, {x + 0.5, y + 0.5});
+      frame.columns.at(y, x) = static_cast<uint8_t>(std::lround(grey(camera.pose.centre, ray)));
+    }
+  return frame;
+}
+
 enum class Plain { nothing, square, all };
 
 // What cameras see of square_before_the_sky: two patterns, or one or none.
@@ -60,7 +73,8 @@ inline std::vector<UprightFrame> photographs_of_the_square(const PanoramaGrid& g
   const DisparityMap truth = square_before_the_sky(grid);
   const auto column = [&](double theta) { return (grid.theta_left - theta) / grid.theta_pitch; };
   const auto row = [&](double v) { return (grid.v_top - v) / grid.v_pitch; };
-  const auto grey = [&](const Eigen::Vector3d& centre, const Eigen::Vector3d& direction) {
+  const auto grey = [&](const Eigen::Vector3d& centre, const Eigen::Vector3d& direction) -> double {
+    if (plain == Plain::all) return 90;
     const double depth = 1 / grid.w_near, radius = grid.arc.radius + depth;
     const double a = direction.x() * direction.x() + direction.y() * direction.y();
     const double b = direction.x() * centre.x() + direction.y() * centre.y();
@@ -74,16 +88,7 @@ inline std::vector<UprightFrame> photographs_of_the_square(const PanoramaGrid& g
     return 130 + 60 * std::sin(0.8 * far_x + 0.5 * far_y) + 50 * std::cos(0.6 * far_y - 1.3 * far_x);
   };
   std::vector<UprightFrame> frames;
-  for (int i = 0; i < 5; ++i) {
-    const Camera camera = camera_at(0.3 - 0.15 * i);
-    frames.push_back(upright_of(camera, i));
-    for (int y = 0; y < camera.intrinsics.height; ++y)
-      for (int x = 0; x < camera.intrinsics.width; ++x) {
-        const Eigen::Vector3d ray = camera.pose.world_from_camera * unproject(camera.intrinsics, {x + 0.5, y + 0.5});
-        frames.back().columns.at(y, x) =
-            plain == Plain::all ? uint8_t{90} : static_cast<uint8_t>(std::lround(grey(camera.pose.centre, ray)));
-      }
-  }
+  for (int i = 0; i < 5; ++i) frames.push_back(photograph(0.3 - 0.15 * i, i, grey));
   return frames;
 }
 
