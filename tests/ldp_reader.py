@@ -260,6 +260,46 @@ def curve_point(i):
     return x, y
 
 
+def guide_of(pixels, width, height):
+    """What gives the colour of a pixel of a lossy WebP, guided by luma: section 7."""
+    across, down = width // 2, height // 2
+
+    def towards_zero(a, b):
+        return a // b if a >= 0 else -(-a // b)
+
+    def inside(i, j):
+        return min(max(i, 0), across - 1), min(max(j, 0), down - 1)
+
+    def luma(x, y):
+        r, g, b = pixels[x, y]
+        return (77 * r + 150 * g + 29 * b + 128) >> 8
+
+    def sums(i, j):
+        four = [(2 * i + x, 2 * j + y) for y in (0, 1) for x in (0, 1)]
+        return [sum(luma(*p) for p in four)] + [sum(pixels[p][c] - luma(*p) for p in four) for c in (0, 2)]
+
+    blocks = {(i, j): sums(i, j) for j in range(down) for i in range(across)}
+
+    def slope(i, j, c):
+        nine = [blocks[inside(i + x, j + y)] for y in (-1, 0, 1) for x in (-1, 0, 1)]
+        y, yy = sum(b[0] for b in nine), sum(b[0] * b[0] for b in nine)
+        d, yd = sum(b[c] for b in nine), sum(b[0] * b[c] for b in nine)
+        return min(max(towards_zero(5 * (9 * yd - y * d), (9 * yy - y * y + 16384) // 64), -512), 512)
+
+    of_blocks = {ij: (blocks[ij][0], slope(*ij, 1), slope(*ij, 2)) for ij in blocks}
+
+    def guided(x, y):
+        i, j = x // 2, y // 2
+        i2, j2 = i + (1 if x % 2 else -1), j + (1 if y % 2 else -1)
+        corners = ((9, i, j), (3, i2, j), (3, i, j2), (1, i2, j2))
+        around, red, blue = (sum(w * of_blocks[inside(a, b)][k] for w, a, b in corners) for k in range(3))
+        slopes = red, -towards_zero(77 * red + 29 * blue, 150), blue
+        rise = 64 * luma(x, y) - around
+        return tuple(min(max(v + (s * rise + (1 << 17) >> 18), 0), 255) for v, s in zip(pixels[x, y], slopes))
+
+    return guided
+
+
 def read_colour(data, tiles, present, width, height):
     codec = data[0]
     stored = [(tx, ty) for ty in range((height + 15) // 16) for tx in range((width + 15) // 16) if tiles[tx, ty]]
@@ -277,9 +317,10 @@ def read_colour(data, tiles, present, width, height):
     need(image.format == ("WEBP", "JPEG")[codec % 2], "kind of image")
     need(image.size == (16 * per_row, 16 * ((count + per_row - 1) // per_row)), "size of the packed image")
     pixels = image.convert("RGB").load()
+    guide = guide_of(pixels, *image.size) if data[13:17] == b"VP8 " else lambda x, y: pixels[x, y]
 
     def colour(tile, x, y):
-        return pixels[tile % per_row * 16 + x, tile // per_row * 16 + y]
+        return guide(tile % per_row * 16 + x, tile // per_row * 16 + y)
 
     colours = {xy: colour(k, xy[0] % 16, xy[1] % 16) for k, tile in enumerate(whole) for xy in inside[tile]}
     for i, xy in enumerate(gathered):

@@ -11,7 +11,9 @@
 #include "core/panorama/file/coders/colour_coding.h"
 #include "core/panorama/file/coders/colour_packing.h"
 #include "core/panorama/file/coders/depth_coding.h"
+#include "core/panorama/file/coders/guided_colour.h"
 #include "core/panorama/file/coders/range_coder.h"
+#include "core/photos/images.h"
 
 namespace ldp::file {
 namespace {
@@ -323,6 +325,66 @@ TEST(AlphaStrips, ComeBackAtEverySizeAndAbsentPixelsAreZero) {
       longer.insert(longer.end(), 6, 0);
       EXPECT_NE(refusal([&] { decode_alpha_strip(longer, kPlace, coverage); }), "");
     }
+}
+
+// --- guided colour
+// -----------------------------------------------------------------------------------------------------
+
+double rms(const RgbImage& a, const RgbImage& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.samples.size(); ++i) {
+    const Rgb p = a.samples[i], q = b.samples[i];
+    sum += std::pow(p.r - q.r, 2) + std::pow(p.g - q.g, 2) + std::pow(p.b - q.b, 2);
+  }
+  return std::sqrt(sum / (3.0 * static_cast<double>(a.samples.size())));
+}
+
+// Thin slanted lines of one colour before another.
+RgbImage twigs(int width, int height, Rgb twig, Rgb sky) {
+  RgbImage image(width, height, sky);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      if ((3 * x + y) % 19 < 4 || (x - 2 * y + 4096) % 23 < 3) image.at(x, y) = twig;
+  return image;
+}
+
+RgbImage through_webp(const RgbImage& image) { return decode_image(encode_webp(image, 100), "a"); }
+
+TEST(GuidedColour, GetsBackTheColoursOfThingsThinnerThanABlock) {
+  const RgbImage image = twigs(64, 48, {60, 50, 30}, {130, 170, 220}), coded = through_webp(image);
+  EXPECT_GT(rms(coded, image), 12);
+  EXPECT_LT(rms(guide_colour(coded), image), 5);
+}
+
+TEST(GuidedColour, LeavesWhatHasOneColourOrOneLightness) {
+  const RgbImage plain(32, 16, {90, 140, 200});
+  EXPECT_EQ(guide_colour(plain), plain);
+  // Red and green as light as each other: luma cannot tell where one ends, what came is kept.
+  RgbImage even(32, 16, {150, 90, 60});
+  for (int y = 0; y < 16; ++y) std::fill_n(even.row(y) + 13, 19, Rgb{60, 136, 60});
+  EXPECT_LT(rms(guide_colour(even), even), 1.5);
+}
+
+TEST(GuidedColour, LumaStays) {
+  const RgbImage image = through_webp(twigs(64, 48, {40, 120, 60}, {200, 180, 150}));
+  const RgbImage guided = guide_colour(image);
+  for (size_t i = 0; i < image.samples.size(); ++i) {
+    const auto luma = [](Rgb c) { return .299 * c.r + .587 * c.g + .114 * c.b; };
+    ASSERT_NEAR(luma(guided.samples[i]), luma(image.samples[i]), 1.5) << i;
+  }
+}
+
+TEST(GuidedColour, WhatIsMadeForItComesBackCloser) {
+  const RgbImage image = twigs(64, 48, {90, 60, 20}, {120, 160, 240});
+  const double without = rms(guide_colour(through_webp(image)), image);
+  const double made = rms(guide_colour(through_webp(made_for_guiding(image))), image);
+  EXPECT_LT(made, .97 * without) << made << " instead of " << without;
+}
+
+TEST(GuidedColour, TheSmallestImagesHaveNeighboursToo) {
+  const RgbImage image = twigs(2, 2, {90, 60, 20}, {120, 160, 240});
+  EXPECT_EQ(guide_colour(image).samples.size(), 4U);
+  EXPECT_EQ(made_for_guiding(image).samples.size(), 4U);
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 # without their imports: names at their top level occur once in each list.
 set(web_worker_modules
   reader/errors.js reader/crc32c.js reader/byte_reader.js reader/container.js reader/records.js reader/range_decoder.js
-  reader/coverage.js reader/block_ranges.js reader/depth_codes.js reader/opacity.js reader/image_size.js reader/colour.js
-  reader/verdict.js reader/ldp_reader.js reader/browser_images.js
+  reader/coverage.js reader/block_ranges.js reader/depth_codes.js reader/opacity.js reader/image_size.js
+  reader/guided_colour.js reader/colour.js reader/verdict.js reader/ldp_reader.js reader/browser_images.js
   surfaces/prepared_layer.js surfaces/code_smoother.js surfaces/underlay.js surfaces/frame_extension.js
   surfaces/strip_cells.js surfaces/torn_vertex.js surfaces/torn_quads.js surfaces/mesh.js
   surfaces/thumbnail.js surfaces/seen_map.js viewer/preparation.js viewer/worker.js)

@@ -1,5 +1,6 @@
 import { TILE, TILE_EMPTY } from './coverage.js';
 import { ImageError, refuse } from './errors.js';
+import { guidedColour, isLossyWebp } from './guided_colour.js';
 import { imageSize } from './image_size.js';
 
 const TILE_PIXELS = TILE * TILE;
@@ -91,7 +92,7 @@ async function decodeChecked(file, codec, expected, place, decodeImage) {
   }
   if (image.width !== expected.width || image.height !== expected.height)
     throw new ImageError(`${place}: its image was decoded to another size`);
-  return image;
+  return isLossyWebp(file) ? guidedColour(image) : image;
 }
 
 function unpack(strip, packing, rgba, stride, colour) {

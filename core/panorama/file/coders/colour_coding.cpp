@@ -4,8 +4,10 @@
 #include <array>
 #include <bitset>
 #include <functional>
+#include <string_view>
 
 #include "core/panorama/file/coders/colour_packing.h"
+#include "core/panorama/file/coders/guided_colour.h"
 #include "core/photos/images.h"
 
 namespace ldp::file {
@@ -105,17 +107,28 @@ struct Coded {
 
 LdpCodec codec_of(const LdpEncodeOptions& options) {
   if (options.codec != LdpCodec::none) return options.codec;
-  constexpr int kJpegFrom = 95;
+  constexpr int kJpegFrom = 97;
   return options.colour_quality >= kJpegFrom && options.colour_quality < kLossless ? LdpCodec::jpeg : LdpCodec::webp;
 }
 
 Coded encode_plain(const RgbImage& packed, LdpCodec codec, int quality) {
   if (codec == LdpCodec::jpeg) return {ColourCodec::jpeg, encode_jpeg(packed, quality)};
-  return {ColourCodec::webp, quality == kLossless ? encode_webp_lossless(packed) : encode_webp(packed, quality)};
+  if (quality == kLossless) return {ColourCodec::webp, encode_webp_lossless(packed)};
+  return {ColourCodec::webp, encode_webp(made_for_guiding(packed), quality)};
+}
+
+bool is_lossy_webp(std::span<const uint8_t> image) {
+  constexpr std::string_view kFirstChunk = "VP8 ";
+  return image.size() >= 16 && std::ranges::equal(image.subspan(12, 4), kFirstChunk);
+}
+
+RgbImage decode_packed(std::span<const uint8_t> image, const std::string& name) {
+  RgbImage packed = decode_image(image, name);
+  return is_lossy_webp(image) ? guide_colour(packed) : packed;
 }
 
 uint64_t squared_error(const ColourPacking& packing, const RgbImage& packed, std::span<const uint8_t> image) {
-  const RgbImage back = decode_image(image, "packed colour");
+  const RgbImage back = decode_packed(image, "packed colour");
   const auto square = [](int d) { return static_cast<uint64_t>(d * d); };
   uint64_t sum = 0;
   packing.for_each_pixel([&](int, int, int x, int y) {
@@ -209,7 +222,7 @@ RgbImage decode_colour_strip(std::span<const uint8_t> bytes, const Place& place,
     if (found != expected)
       place.refuse("size of its image", std::to_string(expected.width) + " x " + std::to_string(expected.height),
                    std::to_string(found.width) + " x " + std::to_string(found.height));
-    return unpack(packing, strip, decode_image(image, "its image"));
+    return unpack(packing, strip, decode_packed(image, "its image"));
   } catch (const LdpError&) {
     throw;
   } catch (const std::runtime_error& e) {
