@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/layers/layers.h"
+#include "core/layers/layers_tuning.h"
 #include "core/layers/neighbours.h"
 
 namespace ldp::layers {
@@ -88,14 +89,27 @@ void BoundaryCosts::read(const Window& window, uint8_t* cost, uint8_t* median) c
   for (int i = 0; i < window.width; ++i) {
     const int x = (window.x + i) % inner_.width();
     for (int j = 0; j < window.height; ++j) {
-      if (want_.at(x, window.y + j) != kBoundary) continue;
-      const int d = surface_.at(x, window.y + j);
-      const int held = (d * (labels - 1) + kDisparitySteps / 2) / kDisparitySteps;
+      const int y = window.y + j;
+      const uint8_t want = want_.at(x, y);
       uint8_t* out = cost + (static_cast<size_t>(i) * static_cast<size_t>(window.height) + static_cast<size_t>(j)) *
                                 static_cast<size_t>(labels);
-      for (int l = 0; l < labels; ++l) out[l] = l == held ? 0 : 255;
+      if (want == kBoundary) {
+        const int held = (surface_.at(x, y) * (labels - 1) + kDisparitySteps / 2) / kDisparitySteps;
+        for (int l = 0; l < labels; ++l) out[l] = l == held ? 0 : 255;
+      } else if (want == kWanted && likely_.at(x, y) != kNoDisparity) {
+        for (int l = 0; l * kDisparitySteps < likely_.at(x, y) * (labels - 1); ++l)
+          out[l] = static_cast<uint8_t>(std::min(255, out[l] + tuning::kUnlikelyPrice));
+      }
     }
   }
+}
+
+DisparityMap likely_behind(const PanoramaGrid& grid, const DisparityMap& front, int reach_px) {
+  DisparityMap likely = farthest_around(grid, front, reach_px);
+  const int apart = static_cast<int>(parallax_steps(grid, tuning::kApartPx));
+  for (uint16_t& d : likely.samples)
+    if (d != kNoDisparity) d = static_cast<uint16_t>(std::max(0, d - apart));
+  return likely;
 }
 
 }  // namespace ldp

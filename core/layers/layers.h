@@ -126,11 +126,14 @@ void absorb_specks(const PanoramaGrid& grid, int least, DisparityMap& layer);
 // The layer on a grid of `times` as many columns: between the middles of columns on one surface disparity is linear.
 DisparityMap with_finer_columns(const DisparityMap& layer, int times, bool wraps);
 
-// The costs of `inner`, with pixels of `want` marked kBoundary held at the label of `surface`.
+// The costs of `inner`, with pixels of `want` marked kBoundary held at the label of `surface`; and labels of wanted
+// pixels farther than `likely` dearer: what is hidden is mostly what goes on from beside it, and the few photographs
+// that show it leave the rest to chance. All must outlive it.
 class BoundaryCosts final : public CostSource {
  public:
-  BoundaryCosts(const CostSource& inner, const Plane<uint8_t>& want, const DisparityMap& surface)
-      : inner_(inner), want_(want), surface_(surface) {}
+  BoundaryCosts(const CostSource& inner, const Plane<uint8_t>& want, const DisparityMap& surface,
+                const DisparityMap& likely)
+      : inner_(inner), want_(want), surface_(surface), likely_(likely) {}
   int width() const override { return inner_.width(); }
   int height() const override { return inner_.height(); }
   int labels() const override { return inner_.labels(); }
@@ -140,7 +143,11 @@ class BoundaryCosts final : public CostSource {
  private:
   const CostSource& inner_;
   const Plane<uint8_t>& want_;
-  const DisparityMap& surface_;
+  const DisparityMap &surface_, &likely_;
 };
+
+// What hidden surfaces are likely to reach: the farthest disparity of `front` within `reach_px`, and not quite another
+// surface. kNoDisparity where the front is absent all around.
+DisparityMap likely_behind(const PanoramaGrid& grid, const DisparityMap& front, int reach_px);
 
 }  // namespace ldp

@@ -17,6 +17,9 @@ constexpr int kMostDiffer = 40 * kGreySteps;     // what differs more is just an
 constexpr int kMargin = kGreySteps;              // by which photographs must prefer the farther surface
 constexpr int kSmoothness = 3 * kGreySteps / 4;  // gain of each of the eight neighbours on one's own surface
 
+// What a hidden surface farther than all that shows around it costs more (background.cpp), in 1/kCostScale grey levels.
+constexpr int kUnlikelyPrice = 32;
+
 // Which of two depth maps the photographs contradict less (proposal_fusion.cpp).
 constexpr double kFusionApartPx = 2;  // surfaces differ where parallax between them exceeds this
 constexpr double kRoughApartPx = 8;   // what is apart by more parallax is not rougher still
@@ -37,8 +40,9 @@ constexpr int kDifferenceSteps = 16;                        // to a grey level
 constexpr int kUnknownDifference = 6 * kDifferenceSteps;    // of what no other camera sees
 constexpr int kUncoveredDifference = 2 * kDifferenceSteps;  // more, where only what goes on from beside shows
 // By so much less must all cameras contradict a proposal, summed over what is decided on together: less is noise. (This
-// and the next are of all columns, and less where fewer are compared.)
+// and the next two are of all columns, and less where fewer are compared.)
 constexpr int kPreferred = 7 * kDifferenceSteps;
+constexpr int kSimplerAllowed = 30 * kDifferenceSteps;  // by so much more they may contradict what is simpler
 // What a pixel's being apart by kRoughApartPx from one of its four neighbours weighs against that.
 constexpr int kRoughness = 3 * kDifferenceSteps;
 

@@ -250,12 +250,21 @@ ProposalFusion::ProposalFusion(const PanoramaGrid& grid, const std::vector<Uprig
     : grid_(grid), frames_(frames), columns_apart_(columns_apart), photos_(grid, frames, columns_apart) {}
 
 void ProposalFusion::fuse(const DisparityMap& proposal, int reach_px, const Job& job, DisparityMap& layer) {
+  take_over(proposal, reach_px, tuning::kPreferred, job, layer);
+}
+
+void ProposalFusion::simplify(const DisparityMap& simpler, int reach_px, const Job& job, DisparityMap& layer) {
+  take_over(simpler, reach_px, -tuning::kSimplerAllowed, job, layer);
+}
+
+void ProposalFusion::take_over(const DisparityMap& proposal, int reach_px, int least_gain, const Job& job,
+                               DisparityMap& layer) {
   const Plane<uint8_t> change = changes(layer, proposal, job);
   Plane<int32_t> gain = gains(change, layer, proposal, job);
   add_smoothness(grid_, change, layer, proposal, tuning::kRoughness / columns_apart_, job, gain);
   for_each_strip(layer.width, job, [&](int begin, int end) {
     for (const Change kind : {kNearer, kFarther}) {
-      SquareSums sums(grid_, gain, change, kind, reach_px, tuning::kPreferred / columns_apart_, begin);
+      SquareSums sums(grid_, gain, change, kind, reach_px, least_gain / columns_apart_, begin);
       for (int x = begin; x < end; ++x) sums.next(x, [&](int y) { layer.at(x, y) = proposal.at(x, y); });
     }
   });

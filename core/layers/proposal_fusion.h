@@ -26,7 +26,11 @@ class ProposalFusion {
   // both ways, that would come nearer, or of those that would go farther, as it does.
   void fuse(const DisparityMap& proposal, int reach_px, const Job& job, DisparityMap& layer);
 
+  // The same of a simpler map: the layer takes it over unless the photographs contradict it clearly more.
+  void simplify(const DisparityMap& simpler, int reach_px, const Job& job, DisparityMap& layer);
+
  private:
+  void take_over(const DisparityMap& proposal, int reach_px, int least_gain, const Job& job, DisparityMap& layer);
   Plane<uint8_t> changes(const DisparityMap& layer, const DisparityMap& proposal, const Job& job) const;
   Plane<int32_t> gains(const Plane<uint8_t>& changes, const DisparityMap& layer, const DisparityMap& proposal,
                        const Job& job);

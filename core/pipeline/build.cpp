@@ -205,6 +205,9 @@ class Build {
       for (const int down : {px, -px}) offer(0, down);
     for (const int px : effort_.propagation_px)
       for (const auto& [right, down] : {std::pair(px, 0), {-px, 0}, {0, px}, {0, -px}}) offer(right, down);
+    DisparityMap simpler = layer;
+    absorb_specks(grid_, kDoubtfulPx, simpler);
+    fusion.simplify(simpler, kDoubtReachPx, job_, layer);
     absorb_specks(grid_, kFrontSpeckPx, layer);
   }
 
@@ -237,7 +240,8 @@ class Build {
     if (std::none_of(want.samples.begin(), want.samples.end(), [](uint8_t w) { return w == kWanted; })) return {};
     const DisparityMap limit = sweep_limit(surface, want);
     const CostVolume sweep(upright_, grid_, visibility_, limit, sweep_options());
-    const BoundaryCosts costs(sweep, want, surface);
+    const DisparityMap likely = likely_behind(grid_, found[0], kBehindLikelyPx);
+    const BoundaryCosts costs(sweep, want, surface, likely);
     const Plane<uint8_t> labels = solve(costs, want, name);
     DisparityMap layer = refine(sweep, labels, want, job_);
     const int gap = gap_steps(grid_, {});

@@ -292,6 +292,19 @@ TEST(FuseProposal, LeavesWhatPhotographsCannotTell) {
   EXPECT_EQ(fused(grid, {photographs_of_the_square(grid, Plain::nothing)[2]}, layer, fattened_square(grid, 4)), layer);
 }
 
+// A part of the square's size at another depth, with what is simpler: without it.
+TEST(SimplifyLayer, DropsWhatPhotographsDoNotTellAndKeepsWhatTheyShow) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  const DisparityMap square = square_before_the_sky(grid), sky(grid.width, grid.height, 0);
+  const auto simplified = [&](const std::vector<UprightFrame>& frames) {
+    DisparityMap layer = square;
+    ProposalFusion(grid, frames, 2).simplify(sky, 2, {}, layer);
+    return layer;
+  };
+  EXPECT_EQ(simplified(photographs_of_the_square(grid, Plain::nothing)), square);
+  EXPECT_EQ(simplified(photographs_of_the_square(grid, Plain::all)), sky);
+}
+
 TEST(FuseProposal, LeavesAbsentPixelsAndWhatIsOneSurface) {
   const PanoramaGrid grid = simple_grid(0.5);
   const auto frames = photographs_of_the_square(grid, Plain::nothing);

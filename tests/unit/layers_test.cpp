@@ -249,13 +249,41 @@ TEST(BoundaryCosts, HoldTheBackgroundAndLeaveTheRest) {
   const FlatCosts flat;
   Plane<uint8_t> want(8, 4, kWanted);
   want.at(1, 2) = kBoundary;
-  DisparityMap surface(8, 4, 3 * kLabelSteps);
-  const BoundaryCosts costs(flat, want, surface);
+  const DisparityMap surface(8, 4, 3 * kLabelSteps), unknown(8, 4, kNoDisparity);
+  const BoundaryCosts costs(flat, want, surface, unknown);
   std::vector<uint8_t> cost(3 * 4 * 16), median(cost.size());
   costs.read({7, 0, 3, 4}, cost.data(), median.data());  // columns 7, 0 and 1
   const uint8_t* held = cost.data() + (2 * 4 + 2) * 16;
   for (int l = 0; l < 16; ++l) EXPECT_EQ(held[l], l == 3 ? 0 : 255);
   EXPECT_EQ(std::count(cost.begin(), cost.end(), 7), 11 * 16);
+}
+
+TEST(BoundaryCosts, FartherThanIsLikelyIsDearerWhereWanted) {
+  const FlatCosts flat;
+  Plane<uint8_t> want(8, 4, kWanted);
+  want.at(1, 2) = kUnwanted;
+  const DisparityMap surface(8, 4, 12 * kLabelSteps);
+  DisparityMap likely(8, 4, 0);
+  likely.at(0, 2) = likely.at(1, 2) = 5 * kLabelSteps;
+  const BoundaryCosts costs(flat, want, surface, likely);
+  std::vector<uint8_t> cost(3 * 4 * 16), median(cost.size());
+  costs.read({7, 0, 3, 4}, cost.data(), median.data());  // columns 7, 0 and 1
+  const uint8_t* limited = cost.data() + (1 * 4 + 2) * 16;
+  for (int l = 0; l < 16; ++l) EXPECT_EQ(limited[l], l < 5 ? 7 + 32 : 7) << l;
+  EXPECT_EQ(std::count(cost.begin(), cost.end(), 7), 12 * 16 - 5);
+}
+
+TEST(LikelyBehind, IsTheFarthestOfTheFrontWithinReachAndALittleMore) {
+  const PanoramaGrid grid = simple_grid(0.5);
+  DisparityMap front(grid.width, grid.height, 3000);
+  front.at(40, 20) = 900;
+  const DisparityMap likely = likely_behind(grid, front, 6);
+  const int far = likely.at(46, 26), near = likely.at(47, 26);
+  EXPECT_LT(far, 900);
+  EXPECT_GT(far, 0);
+  EXPECT_EQ(near - far, 3000 - 900);
+  EXPECT_EQ(likely_behind(grid, DisparityMap(grid.width, grid.height, 1), 6).at(9, 9), 0);
+  EXPECT_EQ(likely_behind(grid, DisparityMap(grid.width, grid.height, kNoDisparity), 6).at(9, 9), kNoDisparity);
 }
 
 DisparityMap row(const std::vector<uint16_t>& samples) {
