@@ -24,15 +24,15 @@ constexpr double kKnownPx = 2.5;
 // rim that a renderer gets by letting the background go on underneath.
 constexpr double kSeparatePx = 10;
 constexpr int kBehindLikelyPx = 64;  // a hidden surface is mostly no farther than all that shows so near
-constexpr int kBehindMedianPx = 3;  // layers behind are smoothed over squares that reach so far from each pixel
-constexpr int kSpeckPx = 8;         // parts of layers behind that hold fewer pixels are not kept
+constexpr int kBehindMedianPx = 3;   // layers behind are smoothed over squares that reach so far from each pixel
+constexpr int kSpeckPx = 8;          // parts of layers behind that hold fewer pixels are not kept
 // The photographs choose between depth maps by what changes within so many pixels: between those of two iterations, and
 // between the surface of a pixel and others around it (effort.h).
 constexpr int kIterationsReachPx = 12, kPropagationReachPx = 1;
 constexpr int kLightnessReachPx = 16;  // of what is around a pixel that is lighter or darker
 constexpr int kUnsmoothedPx = 40;      // parts of what matches best without smoothness, of fewer pixels, are chance
-// Parts of the front layer, apart from all around them, that hold fewer pixels: noise; noise where the photographs do not
-// say otherwise, by what they tell within a few pixels.
+// Parts of the front layer, apart from all around them, that hold fewer pixels: noise; noise where the photographs do
+// not say otherwise, by what they tell within a few pixels.
 constexpr int kFrontSpeckPx = 30, kDoubtfulPx = 150, kDoubtReachPx = 2;
 constexpr int kSilhouettePx = 4;  // by so much the sweep's windows may widen a near surface, and the cut a little more
 
