@@ -72,7 +72,7 @@ class NearBound {
       for (int row = 0; row < kNearBlock; ++row, cost += kGlanceLabels)
         matching += *std::min_element(cost, cost + kGlanceLabels) <= kNearMatches;
     }
-    return matching >= kNearMuchOfBlock;
+    return matching >= kNearMostOfBlock;
   }
 
   // A label is left out between those within the range and those nearer: what matches there may be the bound's own.
@@ -84,7 +84,7 @@ class NearBound {
       const auto nearer = std::min_element(cost + last_within_ + 2, cost + kLabels);
       if (within - *nearer > kNearLess) labels.push_back(static_cast<int>(nearer - cost));
     }
-    if (static_cast<int>(labels.size()) < kNearMuchOfBlock) return;
+    if (static_cast<int>(labels.size()) < kNearMostOfBlock) return;
     const auto median = labels.begin() + static_cast<std::ptrdiff_t>(labels.size() / 2);
     std::nth_element(labels.begin(), median, labels.end());
     ++tally.nearer[static_cast<size_t>(*median)];

@@ -46,7 +46,7 @@ constexpr double kNearFarthestIn = 1.5;                // times the range's near
 constexpr int kGlanceLabels = 8, kGlanceSubsteps = 3;  // of the first look, at nearer depths alone
 constexpr int kNearMatches = 20, kNearLess = 10;       // in 1/kCostScale grey levels: what matches, and by how much
                                                        // less it costs than anything within the range
-constexpr int kNearMuchOfBlock = kNearBlock * kNearBlock * 3 / 8;  // pixels that match nearer: a thing may be slender
+constexpr int kNearMostOfBlock = kNearBlock * kNearBlock * 3 / 4;  // pixels
 constexpr double kNearLeastShare = 0.00125;                        // of the blocks looked at, and at least
 constexpr int kNearLeastBlocks = 4;
 constexpr double kNearHeld = 0.8;  // of the blocks that match nearer
