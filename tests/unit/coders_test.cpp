@@ -14,10 +14,12 @@
 #include "core/panorama/file/coders/guided_colour.h"
 #include "core/panorama/file/coders/range_coder.h"
 #include "core/photos/images.h"
+#include "tests/unit/rms.h"
 
 namespace ldp::file {
 namespace {
 
+using test::rms;
 using testing::AllOf;
 using testing::HasSubstr;
 
@@ -327,17 +329,7 @@ TEST(AlphaStrips, ComeBackAtEverySizeAndAbsentPixelsAreZero) {
     }
 }
 
-// --- guided colour
-// -----------------------------------------------------------------------------------------------------
-
-double rms(const RgbImage& a, const RgbImage& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.samples.size(); ++i) {
-    const Rgb p = a.samples[i], q = b.samples[i];
-    sum += std::pow(p.r - q.r, 2) + std::pow(p.g - q.g, 2) + std::pow(p.b - q.b, 2);
-  }
-  return std::sqrt(sum / (3.0 * static_cast<double>(a.samples.size())));
-}
+// --- guided colour ---------------------------------------------------------------------------------------------------
 
 // Thin slanted lines of one colour before another.
 RgbImage twigs(int width, int height, Rgb twig, Rgb sky) {

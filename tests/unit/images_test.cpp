@@ -13,11 +13,13 @@
 
 #include "core/base/files.h"
 #include "core/photos/halved.h"
+#include "tests/unit/rms.h"
 
 namespace ldp {
 namespace {
 
 namespace fs = std::filesystem;
+using test::rms;
 using ::testing::HasSubstr;
 
 class Folder {
@@ -42,16 +44,6 @@ RgbImage some_image(int width, int height) {
       image.at(x, y) = {static_cast<uint8_t>(x * 255 / width), static_cast<uint8_t>(y * 255 / height),
                         static_cast<uint8_t>(x < width / 2 ? 40 : 200)};
   return image;
-}
-
-double rms(const RgbImage& a, const RgbImage& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.samples.size(); ++i) {
-    const Rgb p = a.samples[i];
-    const Rgb q = b.samples[i];
-    sum += std::pow(p.r - q.r, 2) + std::pow(p.g - q.g, 2) + std::pow(p.b - q.b, 2);
-  }
-  return std::sqrt(sum / (3.0 * static_cast<double>(a.samples.size())));
 }
 
 std::string message_of(const std::function<void()>& action) {

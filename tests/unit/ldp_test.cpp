@@ -118,6 +118,19 @@ TEST(LdpFile, NoiseAndOddSizesSurvive) {
   }
 }
 
+TEST(LdpFile, ColourIsWebpUpToQuality96AndJpegAboveUnlessLossless) {
+  const LayeredPanorama panorama = synthetic_panorama({});
+  const auto codec = [&](int quality) {
+    const std::vector<uint8_t> file = encode_ldp(panorama, {quality, LdpCodec::none});
+    for (const LdpChunk& chunk : describe_ldp(file).chunks)
+      if (chunk.type == "COLR" && chunk.layer == 0) return static_cast<int>(file[static_cast<size_t>(chunk.offset)]);
+    return -1;
+  };
+  // Odd ones are JPEG, even ones WebP.
+  for (const int quality : {50, 95, 96, 101}) EXPECT_EQ(codec(quality) % 2, 0) << quality;
+  for (const int quality : {97, 100}) EXPECT_EQ(codec(quality) % 2, 1) << quality;
+}
+
 TEST(LdpFile, LossyColourIsCloseAndDepthStaysExact) {
   const LayeredPanorama panorama = synthetic_panorama({});
   for (const LdpCodec codec : {LdpCodec::jpeg, LdpCodec::webp}) {

@@ -1,5 +1,5 @@
 // FORMAT.md, section 7: lossy WebP keeps colour at half resolution; guided by luma it gets back most of the rest.
-const EDGE = 3; // blocks around one, across and down, from which a slope is estimated
+const BLOCKS = 9; // 3 across and 3 down, from which a slope is estimated
 const PLAIN_VARIANCE = 1 << 14;
 const MOST_SLOPE = 512;
 
@@ -53,7 +53,7 @@ function blocksOf(width, height, data) {
 function slopesOf({ across, down, luma, red, blue }) {
   const slopes = { red: new Int16Array(across * down), blue: new Int16Array(across * down) };
   const slope = (sum, product, lumaSum, variance) => {
-    const covariance = EDGE * EDGE * product - lumaSum * sum;
+    const covariance = BLOCKS * product - lumaSum * sum;
     const ratio = Math.trunc((5 * covariance) / ((variance + PLAIN_VARIANCE) >> 6));
     return Math.max(-MOST_SLOPE, Math.min(ratio, MOST_SLOPE));
   };
@@ -72,7 +72,7 @@ function slopesOf({ across, down, luma, red, blue }) {
           blueProduct += luma[i] * blue[i];
         }
       }
-      const variance = EDGE * EDGE * square - sum * sum;
+      const variance = BLOCKS * square - sum * sum;
       slopes.red[y * across + x] = slope(redSum, redProduct, sum, variance);
       slopes.blue[y * across + x] = slope(blueSum, blueProduct, sum, variance);
     }

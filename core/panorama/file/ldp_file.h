@@ -38,8 +38,8 @@ enum class LdpCodec : uint8_t { none = 0, jpeg = 1, webp = 2 };
 
 struct LdpEncodeOptions {
   int colour_quality = 90;  // of the front layer, 1 .. 100; those behind get 20 less; 101 = all lossless
-  // none = chosen by quality: WebP, which is a quarter smaller, up to 94; JPEG, whose colour can have full resolution,
-  // from 95 to 100; WebP for lossless.
+  // none = chosen by quality: WebP, which is a third smaller, up to 96; JPEG, whose colour can have full resolution,
+  // from 97 to 100; WebP for lossless.
   LdpCodec codec = LdpCodec::none;
 };
 
