@@ -48,7 +48,8 @@ std::vector<uint8_t> export_seen(const std::filesystem::path& file, LayeredPanor
   frame.grid = panorama.grid;
   frame.cameras = panorama.cameras;
   frame.metadata = panorama.metadata;
-  const Renderer renderer(std::move(panorama));
+  Renderer renderer(std::move(panorama));
+  renderer.prepare(job);  // from one place all of it is seen
   if (kind == Kind::stereo) return stereo_file(ending, frame, renderer, viewer, options.quality, job);
   const FlatPanorama flat = see_around(frame, renderer, viewer.at, job);
   if (kind == Kind::depth) return depth_file(ending, flat, frame, options.quality);

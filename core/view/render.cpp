@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <limits>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/view/draw_view.h"
 #include "core/view/inpainting.h"
+#include "core/view/mesh/mesh_strips.h"
 #include "core/view/outlines.h"
 #include "core/view/tears.h"
 #include "core/view/view_tuning.h"
@@ -62,41 +65,49 @@ void store(const view::StripTarget& strip, View& rendered, Plane<float>& inverse
 }  // namespace
 
 struct Renderer::Prepared {
-  PanoramaGrid grid;
-  view::Mesh mesh;
+  explicit Prepared(const LayeredPanorama& panorama)
+      : strips(panorama, view::kRendererStripTiles, view::BeyondFrames::surfaces) {}
+  explicit Prepared(LayeredPanorama&& panorama)
+      : own(std::move(panorama)), strips(own, view::kRendererStripTiles, view::BeyondFrames::surfaces) {}
 
-  ScratchPool<view::StripTarget> strips;
+  void drop_needless() {
+    const std::lock_guard lock(dropping);
+    if (strips.all_made()) std::vector<Layer>().swap(own.layers);
+  }
+
+  LayeredPanorama own;  // empty if it is another's
+  std::mutex dropping;  // guards its layers, once nobody reads them any more
+  view::MeshStrips strips;
+  ScratchPool<view::StripTarget> targets;
 };
 
-Renderer::Renderer(const LayeredPanorama& panorama)
-    : prepared_(new Prepared{panorama.grid, view::build_mesh(panorama), {}}) {}
+Renderer::Renderer(const LayeredPanorama& panorama) : prepared_(new Prepared(panorama)) {}
 
-Renderer::Renderer(LayeredPanorama&& panorama)
-    : prepared_(new Prepared{panorama.grid, view::build_mesh(std::move(panorama)), {}}) {}
+Renderer::Renderer(LayeredPanorama&& panorama) : prepared_(new Prepared(std::move(panorama))) {}
 
 Renderer::~Renderer() = default;
 
-View Renderer::render(const Camera& camera, const RenderOptions& options, const Job& job) const {
-  view::check_camera(camera);
-  const view::Mesh& mesh = prepared_->mesh;
-  const bool all = options.layers >= mesh.layers;
-  std::vector<const view::MeshTile*> tiles;
-  for (const view::MeshTile& tile : mesh.tiles)
-    if (all || tile.layer < options.layers) tiles.push_back(&tile);
-  const view::ViewFrustum frustum(prepared_->grid, mesh.first_row, mesh.rows, camera);
-  return view::draw_view(tiles, prepared_->grid, frustum, camera, options, prepared_->strips, job);
+void Renderer::prepare(const Job& job) {
+  prepared_->strips.make_all(job);
+  prepared_->drop_needless();
 }
 
-View view::draw_view(const std::vector<const MeshTile*>& tiles, const PanoramaGrid& grid, const ViewFrustum& frustum,
-                     const Camera& camera, const RenderOptions& options, ScratchPool<StripTarget>& strip_pool,
-                     const Job& job) {
+View Renderer::render(const Camera& camera, const RenderOptions& options, const Job& job) const {
+  view::check_camera(camera);
+  View view = view::draw_view(prepared_->strips, camera, options, prepared_->targets, job);
+  prepared_->drop_needless();
+  return view;
+}
+
+View view::draw_view(MeshStrips& mesh, const Camera& camera, const RenderOptions& options,
+                     ScratchPool<StripTarget>& strip_pool, const Job& job) {
   const Intrinsics& k = camera.intrinsics;
   View rendered{RgbImage(k.width, k.height), Plane<uint8_t>(k.width, k.height), {}, 0};
   Plane<float> inverse_z(k.width, k.height);
+  const ViewFrustum frustum = mesh.frustum(camera);
   const Window window = frustum.window(0, k.width);
-  std::vector<const MeshTile*> seen;
-  for (const MeshTile* tile : tiles)
-    if (frustum.sees(*tile, window)) seen.push_back(tile);
+  std::vector<const MeshTile*> seen = mesh.tiles(mesh.make_seen(frustum, window, job), options.layers);
+  std::erase_if(seen, [&](const MeshTile* tile) { return !frustum.sees(*tile, window); });
   const int strips = (k.width + view::kStripPx - 1) / view::kStripPx;
   parallel_for(job, strips, [&](int i) {
     auto strip = strip_pool.take();
@@ -105,7 +116,7 @@ View view::draw_view(const std::vector<const MeshTile*>& tiles, const PanoramaGr
     store(*strip, rendered, inverse_z);
     strip_pool.give_back(std::move(strip));
   });
-  const auto step = static_cast<float>(surface_slack(grid, kOutlineParallaxPx));
+  const auto step = static_cast<float>(surface_slack(mesh.grid(), kOutlineParallaxPx));
   if (options.outlines) close_cracks(step, inverse_z, rendered.colour, rendered.alpha);
   Plane<float> behind;
   if (options.fill == Fill::background) {

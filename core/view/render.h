@@ -41,12 +41,14 @@ struct View {
   double invented_share = 0;  // share of pixels that `fill` made up
 };
 
-// Prepares a panorama once (positions of its vertices, tears), then draws any number of views.
+// Draws any number of views, from any number of threads. What a view needs of the panorama (positions of vertices,
+// tears) is prepared when the first one asks for it, strip by strip of its columns, and kept.
 class Renderer {
  public:
-  explicit Renderer(const LayeredPanorama& panorama);  // the panorama is not needed afterwards
-  explicit Renderer(LayeredPanorama&& panorama);       // the same; lets go of it while preparing
+  explicit Renderer(const LayeredPanorama& panorama);  // which must outlive it
+  explicit Renderer(LayeredPanorama&& panorama);       // lets go of its layers once all of it is prepared
   ~Renderer();
+  void prepare(const Job& job);  // all of it, so that views only draw
   View render(const Camera& camera, const RenderOptions& options, const Job& job = {}) const;
 
  private:

@@ -51,8 +51,8 @@ constexpr int kRimPx = 2;         // rim pixels are this near to a hole; 1 .. 8
 
 // Views drawn in parts; none of these changes a view.
 constexpr int kStripPx = 200;   // few tiles cross strips, and a strip's buffers still fit a cache
-constexpr int kStripTiles = 4;  // of the panorama, that are held at a time
-constexpr int kAskedColumns = 16, kAskedDepths = 8, kAskedRows = 4;  // at which it is asked what a camera may see
-constexpr double kNearestZ = 1e-3;                                   // units of depth, that a camera sees
+// Tiles across of a panorama's strips that are made together: of those let go when a camera no longer sees them, and of
+// those that stay.
+constexpr int kStripTiles = 4, kRendererStripTiles = 8;
 
 }  // namespace ldp::view

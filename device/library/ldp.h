@@ -177,8 +177,8 @@ typedef struct ldp_view {
   ldp_stop* stop;
 } ldp_view;
 
-/* The first view decodes all layers and makes a mesh of them, which later ones share; ldp_prepare does it before.
- * The pixels are those of `ldp render`. */
+/* The first view decodes all layers; it and later ones make a mesh of what they see of them, once. ldp_prepare does all
+ * of that before. The pixels are those of `ldp render`. */
 ldp_status ldp_prepare(ldp_panorama* panorama, int threads, ldp_stop* stop, ldp_error* error);
 ldp_status ldp_render(ldp_panorama* panorama, const ldp_camera* camera, const ldp_view* view, ldp_error* error);
 

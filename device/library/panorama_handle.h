@@ -19,7 +19,7 @@ struct ldp_panorama {
   const uint64_t memory_bytes;  // 0 = no limit
   const ldp::LdpReader reader;  // of `bytes`
   std::mutex preparing;         // guards renderer
-  std::shared_ptr<const ldp::Renderer> renderer;
+  std::shared_ptr<ldp::Renderer> renderer;
 
   const ldp::LdpDescription& description() const { return reader.description(); }
 };

@@ -12,7 +12,7 @@
 namespace ldp::library {
 namespace {
 
-std::shared_ptr<const Renderer> prepared(ldp_panorama& panorama, const Job& job) {
+std::shared_ptr<Renderer> prepared(ldp_panorama& panorama, const Job& job) {
   const std::lock_guard lock(panorama.preparing);
   if (panorama.renderer) return panorama.renderer;
   const LdpDescription& file = panorama.description();
@@ -21,7 +21,7 @@ std::shared_ptr<const Renderer> prepared(ldp_panorama& panorama, const Job& job)
   for (int i = 0; i < static_cast<int>(file.layers.size()); ++i)
     decoded.layers.push_back(panorama.reader.read_layer(i, job));
   job.check();
-  panorama.renderer = std::make_shared<const Renderer>(std::move(decoded));
+  panorama.renderer = std::make_shared<Renderer>(std::move(decoded));
   return panorama.renderer;
 }
 
@@ -86,7 +86,10 @@ void cameras_on_path(ldp_panorama& panorama, const CameraPathOptions& path, ldp_
 using namespace ldp::library;
 
 ldp_status ldp_prepare(ldp_panorama* panorama, int threads, ldp_stop* stop, ldp_error* error) {
-  return guarded("prepare views", error, [&] { prepared(required(panorama, "panorama"), job_of(threads, stop)); });
+  return guarded("prepare views", error, [&] {
+    const Job job = job_of(threads, stop);
+    prepared(required(panorama, "panorama"), job)->prepare(job);
+  });
 }
 
 ldp_status ldp_render(ldp_panorama* panorama, const ldp_camera* camera, const ldp_view* view, ldp_error* error) {

@@ -3,7 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <vector>
+
+#include "core/view/mesh/mesh_strips.h"
 
 namespace ldp::view {
 namespace {
@@ -38,10 +43,8 @@ Camera photo(const PanoramaGrid& grid, double column) {
 }
 
 PreparedLayer wall(const LayeredPanorama& panorama) {
-  const int columns = panorama.grid.wraps ? kWidth + 1 : kWidth;
-  return {Plane<float>(columns, kHeight, CodedDepths(panorama.grid).w(kWall)),
-          Plane<Rgba>(columns, kHeight, 0xFF000000U), Plane<uint16_t>(columns, kHeight, kWall),
-          Plane<uint8_t>(columns, kHeight, 0)};
+  return {Plane<float>(kWidth, kHeight, CodedDepths(panorama.grid).w(kWall)), Plane<Rgba>(kWidth, kHeight, 0xFF000000U),
+          Plane<uint16_t>(kWidth, kHeight, kWall), Plane<uint8_t>(kWidth, kHeight, 0)};
 }
 
 void put_post(const LayeredPanorama& panorama, int x, int y0, int y1, PreparedLayer& front) {
@@ -89,19 +92,43 @@ TEST(FrameExtension, NoPartOfAColumnWitnessesForAnother) {
   }
 }
 
+// Posts of one row of columns, on a wall that is far.
+Layer posts(const PanoramaGrid& grid, const std::vector<int>& columns) {
+  DisparityMap disparity(grid.width, grid.height, kWall);
+  for (const int x : columns)
+    for (int y = 20; y < 60; ++y) disparity.at(x, y) = kPost;
+  Layer layer;
+  layer.coverage = Plane<uint8_t>(grid.width, grid.height, 1);
+  layer.colour = RgbImage(grid.width, grid.height);
+  layer.depth = encode_depth(disparity, 8);
+  return layer;
+}
+
+// Whether the strips' mesh has a vertex of a post above the posts in a column.
+bool goes_on(const MeshStrips& strips, const std::vector<size_t>& places, int column) {
+  constexpr int kLayers = 1, kUnderlay = 1, kAll = 8;
+  const float post = CodedDepths(strips.grid()).w(kPost);
+  const std::vector<const MeshTile*> tiles = strips.tiles(places, kAll);
+  return std::any_of(tiles.begin(), tiles.end(), [&](const MeshTile* tile) {
+    return tile->layer >= kLayers + kUnderlay &&
+           std::any_of(tile->torn_vertices.begin(), tile->torn_vertices.end(), [&](const TornVertex& vertex) {
+             return tile->x0 + vertex.x_in_tile == column && std::abs(vertex.w - post) < 0.01F;
+           });
+  });
+}
+
 // Both posts, to the left and to the right of the seam, are shown by two photos, what is between them by none.
-TEST(FrameExtension, WitnessesStandAcrossTheSeam) {
+TEST(FrameExtension, WitnessesStandAcrossTheSeamAndBordersOfStrips) {
   LayeredPanorama panorama = seen_by_two_photos(true);
-  for (const double column : {-12.0, -11.9, 12.0, 12.1}) panorama.cameras.push_back(photo(panorama.grid, column));
+  for (const double column : {-50.0, -49.9, 50.0, 50.1}) panorama.cameras.push_back(photo(panorama.grid, column));
   for (Camera& camera : panorama.cameras) camera.intrinsics.cx = 30, camera.intrinsics.width = 60;
-  PreparedLayer front = wall(panorama);
-  for (const int x : {kWidth - 12, 0, kWidth, 12}) put_post(panorama, x, 20, 60, front);
-  const std::vector<SparseColumns> made = extended(panorama, front);
-  ASSERT_FALSE(made.empty());
-  EXPECT_GT(made[0].at(12, 19).w, 0);
-  EXPECT_GT(made[0].at(kWidth - 12, 19).w, 0);
-  EXPECT_GT(made[0].at(0, 19).w, 0);
-  EXPECT_GT(made[0].at(kWidth, 19).w, 0);
+  panorama.layers = {posts(panorama.grid, {kWidth - 50, 0, 50, 116})};
+  MeshStrips strips(panorama, 1, BeyondFrames::surfaces);
+  strips.make_all({});
+  std::vector<size_t> all;
+  for (size_t i = 0; i < (kWidth + kTilePx - 1) / kTilePx; ++i) all.push_back(i);
+  for (const int column : {50, kWidth - 50, 0, kWidth}) EXPECT_TRUE(goes_on(strips, all, column)) << column;
+  EXPECT_FALSE(goes_on(strips, all, 116));  // too far from the post at 50
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <optional>
 #include <stdexcept>
+#include <vector>
 
 #include "core/geometry/disparity.h"
 #include "core/view/camera_path.h"
@@ -414,8 +415,8 @@ TEST(Render, gives_the_same_bytes_at_any_thread_count) {
   EXPECT_EQ(one.depth, three.depth);
 }
 
-TEST(Render, skips_nothing_that_shows) {
-  // Two wavy walls with holes through each other, before a far one.
+// Two wavy walls with holes through each other, before a far one.
+LayeredPanorama wavy_walls() {
   const PanoramaGrid grid = make_grid(Rays::pushbroom, true);
   const auto near = [](double theta, double v) {
     return std::sin(9 * theta) + std::cos(11 * v) < -0.5 ? -1 : 1.2 + 0.05 * std::sin(40 * theta);
@@ -424,13 +425,19 @@ TEST(Render, skips_nothing_that_shows) {
     return std::sin(7 * theta + 4 * v) < -0.5 ? -1 : 1.2 + 0.05 * std::cos(30 * v + theta);
   };
   const auto far = [](double, double v) { return 0.1 + 0.05 * v; };
-  const Renderer renderer({grid,
-                           {make_layer(grid, near, smooth_colour), make_layer(grid, middle, smooth_colour),
-                            make_layer(grid, far, smooth_colour)},
-                           {},
-                           {},
-                           {},
-                           {}});
+  return {grid,
+          {make_layer(grid, near, smooth_colour), make_layer(grid, middle, smooth_colour),
+           make_layer(grid, far, smooth_colour)},
+          {},
+          {},
+          {},
+          {}};
+}
+
+TEST(Render, skips_nothing_that_shows) {
+  const LayeredPanorama panorama = wavy_walls();
+  const PanoramaGrid& grid = panorama.grid;
+  const Renderer renderer(panorama);
   for (int i = 0; i < 12; ++i) {
     const Eigen::Vector3d offset = 0.1 * i * Eigen::Vector3d(std::cos(i), std::sin(i), 0.2);
     Camera camera = make_camera(grid, 0.7 * i, offset, 0.05 * i);
@@ -441,6 +448,40 @@ TEST(Render, skips_nothing_that_shows) {
     ASSERT_EQ(view.colour, all.colour) << i;
     ASSERT_EQ(view.alpha, all.alpha) << i;
     ASSERT_EQ(view.depth, all.depth) << i;
+  }
+}
+
+TEST(Render, shows_the_same_whatever_was_prepared_before_and_by_whom) {
+  LayeredPanorama panorama = wavy_walls();
+  const PanoramaGrid& grid = panorama.grid;
+  std::vector<Camera> cameras;
+  for (int i = 0; i < 12; ++i) {
+    Camera& camera = cameras.emplace_back(
+        make_camera(grid, 0.55 * i, 0.06 * i * Eigen::Vector3d(std::cos(i), std::sin(i), 0.2), 0.04 * i));
+    // Every third looks at a few columns and rows alone, between others.
+    camera.intrinsics = i % 3 == 0 ? Intrinsics{90, 60, 3000, 3000, 45, 30} : Intrinsics{120, 90, 100, 100, 60, 45};
+  }
+  panorama.cameras = cameras;  // surfaces go on beyond their frames
+  panorama.limits = {0.3, 0.8, 0.2};
+  Renderer ready(panorama);
+  ready.prepare({});
+  const Renderer shared(panorama);
+  Job job;
+  job.threads = 4;
+  std::vector<View> together(cameras.size());
+  parallel_for(job, static_cast<int>(cameras.size()), [&](int i) {
+    together[static_cast<size_t>(i)] = shared.render(cameras[static_cast<size_t>(i)], with_depth());
+  });
+  const Renderer given_away((LayeredPanorama(panorama)));
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    const View expected = ready.render(cameras[i], with_depth());
+    EXPECT_LT(holes(expected), 90 * 60) << i;
+    for (const View& view : {Renderer(panorama).render(cameras[i], with_depth()), together[i],
+                             given_away.render(cameras[i], with_depth())}) {
+      EXPECT_EQ(view.colour, expected.colour) << i;
+      EXPECT_EQ(view.alpha, expected.alpha) << i;
+      EXPECT_EQ(view.depth, expected.depth) << i;
+    }
   }
 }
 

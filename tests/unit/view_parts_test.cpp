@@ -289,7 +289,7 @@ TEST(Underlay, GoesOnUnderneathByItsReachOnlyAndAtTheFarSurfacesDepth) {
   PreparedLayer layer = prepared(120, 3, depths, 500, 1);
   for (int y = 0; y < 3; ++y)
     for (int x = 60; x < 120; ++x) put(layer, depths, x, y, 3500), layer.colour.at(x, y) = pack({200, 0, 0}, 255);
-  const PreparedLayer underlay = make_underlay({layer}, depths, false, kParallax);
+  const PreparedLayer underlay = make_underlay({layer}, depths, kParallax);
   for (int x = 0; x < 120; ++x) {
     const bool under = x >= 60 && x < 60 + kReachPx;
     EXPECT_EQ(underlay.w.at(x, 1) >= 0, under) << x;
@@ -299,17 +299,10 @@ TEST(Underlay, GoesOnUnderneathByItsReachOnlyAndAtTheFarSurfacesDepth) {
   }
 }
 
-TEST(Underlay, OfOneSurfaceIsNothingAndAWrapIsNoEnd) {
+TEST(Underlay, OfOneSurfaceIsNothing) {
   const CodedDepths depths(test::simple_grid(0.5));
   const PreparedLayer flat = prepared(50, 5, depths, 500, 1);
-  for (const float w : make_underlay({flat}, depths, false, kParallax).w.samples) EXPECT_EQ(w, kAbsent);
-  PreparedLayer seam = prepared(61, 3, depths, 500, 1);  // the last column is the first one again
-  for (int y = 0; y < 3; ++y)
-    for (int x = 1; x < 31; ++x) put(seam, depths, x, y, 3500);
-  const auto under = [&](bool wraps, int x) { return make_underlay({seam}, depths, wraps, kParallax).w.at(x, 1) >= 0; };
-  EXPECT_TRUE(under(true, 1));
-  EXPECT_TRUE(under(true, 30));
-  EXPECT_FALSE(under(true, 45));
+  for (const float w : make_underlay({flat}, depths, kParallax).w.samples) EXPECT_EQ(w, kAbsent);
 }
 
 // --- torn quads ------------------------------------------------------------------------------------------------------

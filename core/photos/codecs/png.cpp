@@ -11,6 +11,7 @@ namespace ldp {
 namespace {
 
 constexpr char kSoftware[] = "Software";  // a keyword of the PNG standard
+constexpr int kCompressionLevel = 4;      // zlib's; photos take a third of the time of 6, for 1 to 3 % more bytes
 constexpr uint8_t kSignature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
 
 // As with libjpeg, errors come by a call that must not return: run() catches by longjmp, and what runs below it holds
@@ -184,6 +185,7 @@ void compress(Encoder& e) {
   png_set_write_fn(e.png, &e, give, nullptr);
   png_set_IHDR(e.png, e.info, static_cast<png_uint_32>(e.width), static_cast<png_uint_32>(e.height), e.bits,
                e.colour_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_compression_level(e.png, kCompressionLevel);
   if (!e.xmp.empty()) add_text(e, PNG_ITXT_COMPRESSION_NONE, "XML:com.adobe.xmp", e.xmp);
   if (!e.software.empty()) add_text(e, PNG_TEXT_COMPRESSION_NONE, kSoftware, e.software);
   png_write_info(e.png, e.info);

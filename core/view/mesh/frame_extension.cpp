@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "core/base/exact_math.h"
@@ -102,7 +103,8 @@ class End {
     if (own <= 0) return false;
     const int next = y + step_;
     if (next < 0 || next >= grid_.height || front_.w.at(x, next) < 0) return true;
-    return front_.w.at(x, next) < own && !same_surface(x, y, next);
+    // (Smoothing moves depths within what codes leave unknown: what is no farther is of the same surface.)
+    return front_.w.at(x, next) < own - parallax_ && !same_surface(x, y, next);
   }
 
   bool same_surface(int x, int y, int other) const {
@@ -148,21 +150,15 @@ class End {
   // Whether pieces to one side of a piece, within kBridge columns, have one on its surface that is witnessed.
   bool has_witness(size_t own, int side) const {
     const float w = front_.w.at(pieces_[own].x, pieces_[own].from);
-    const size_t count = pieces_.size();
-    for (size_t i = 1; i < count; ++i) {
-      const Piece& other = pieces_[side > 0 ? (own + i) % count : (own + count - i) % count];
-      const int columns = columns_aside(pieces_[own].x, other.x, side);
-      if (columns < 0 || columns > kBridge) return false;
+    const auto count = static_cast<std::ptrdiff_t>(pieces_.size());
+    for (auto i = static_cast<std::ptrdiff_t>(own) + side; i >= 0 && i < count; i += side) {
+      const Piece& other = pieces_[static_cast<size_t>(i)];
+      const int columns = side * (other.x - pieces_[own].x);
+      if (columns > kBridge) return false;
       const float there = front_.w.at(other.x, other.from);
       if (columns > 0 && other.witnessed && std::abs(there - w) < kBridgeShare * w) return true;
     }
     return false;
-  }
-
-  // How far column `to` is on one side of `from`; negative where it is on the other.
-  int columns_aside(int from, int to, int side) const {
-    const int columns = side * (to - from);
-    return grid_.wraps ? (columns + grid_.width) % grid_.width : columns;
   }
 
   SparseColumns layer() const {

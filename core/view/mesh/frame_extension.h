@@ -16,7 +16,7 @@
 namespace ldp::view {
 
 // A layer for each end of the columns at which anything goes on. `front`: of `panorama`, whose own layers are not
-// looked at; without cameras in it nothing is made up.
+// looked at and which does not wrap; without cameras in it nothing is made up.
 std::vector<SparseColumns> extend_beyond_frames(const PreparedLayer& front, const CodedDepths& depths,
                                                 const LayeredPanorama& panorama, float parallax);
 

@@ -4,12 +4,10 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "core/geometry/same_surface.h"
 #include "core/view/mesh/code_smoother.h"
 #include "core/view/mesh/frame_extension.h"
 #include "core/view/mesh/prepared_layer.h"
@@ -22,27 +20,19 @@
 namespace ldp::view {
 namespace {
 
-void check(const Layer& layer, const PanoramaGrid& grid, size_t index) {
-  const auto fits = [&](const auto& plane) { return plane.width == grid.width && plane.height == grid.height; };
-  if (!fits(layer.depth.codes) || !fits(layer.coverage) || !fits(layer.colour) ||
-      (!layer.alpha.empty() && !fits(layer.alpha)))
-    throw std::logic_error("Renderer: layer " + std::to_string(index) + " is not as large as the panorama");
-}
-
 PreparedLayer prepare_layer(const PanoramaGrid& grid, const CodedDepths& depths, const Layer& layer) {
-  const int columns = grid.wraps ? grid.width + 1 : grid.width;
-  PreparedLayer prepared{Plane<float>(columns, grid.height, kAbsent), Plane<Rgba>(columns, grid.height),
-                         Plane<uint16_t>(columns, grid.height, kNoDisparity), Plane<uint8_t>(columns, grid.height)};
+  PreparedLayer prepared{Plane<float>(grid.width, grid.height, kAbsent), Plane<Rgba>(grid.width, grid.height),
+                         Plane<uint16_t>(grid.width, grid.height, kNoDisparity),
+                         Plane<uint8_t>(grid.width, grid.height)};
   for (int y = 0; y < grid.height; ++y)
-    for (int column = 0; column < columns; ++column) {
-      const int x = column == grid.width ? 0 : column;
+    for (int x = 0; x < grid.width; ++x) {
       if (!layer.coverage.at(x, y)) continue;
       const uint8_t alpha = layer.alpha.empty() ? uint8_t{255} : layer.alpha.at(x, y);
       const BlockRange range = layer.depth.range(x, y);
-      prepared.code.at(column, y) = layer.depth.disparity(x, y);
-      prepared.w.at(column, y) = depths.w(prepared.code.at(column, y));
-      prepared.colour.at(column, y) = pack(layer.colour.at(x, y), alpha);
-      prepared.step.at(column, y) = static_cast<uint8_t>(range.high - range.low);
+      prepared.code.at(x, y) = layer.depth.disparity(x, y);
+      prepared.w.at(x, y) = depths.w(prepared.code.at(x, y));
+      prepared.colour.at(x, y) = pack(layer.colour.at(x, y), alpha);
+      prepared.step.at(x, y) = static_cast<uint8_t>(range.high - range.low);
     }
   return prepared;
 }
@@ -60,17 +50,17 @@ class Builder {
   explicit Builder(const PanoramaGrid& grid);
   void add(const Layer& layer);  // front to back
   Mesh build(const LayeredPanorama& panorama, int begin, int end, const Job& job);
-  int quads_across() const { return grid_.wraps ? grid_.width : grid_.width - 1; }
 
  private:
   void add_made_up(const LayeredPanorama& panorama);
   void add_tiles(int layer, int begin, int end, const Job& job, Mesh& mesh) const;
   MeshTile build_tile(int layer, int x0, int y0, int x_end) const;
-  void build_quad(MeshTile& tile, std::vector<TornQuad>& torn, int x, int y) const;
+  void build_quad(const Corners& corners, int x, int y, MeshTile& tile, std::vector<TornQuad>& torn) const;
   void copy_vertices(MeshTile& tile) const;
   TornQuad torn_quad(const MeshTile& tile, const std::array<int, 4>& surface, int wanted, int x, int y) const;
   Corner extend(int layer, const Corner& from, int x, int y) const;
   Corner corner(int layer, int x, int y) const;
+  bool absent(int layer, int x0, int x1, int y) const;  // in columns [x0, x1]
   std::array<int, 4> group(const Corners& corners) const;
   bool connected(const Corner& a, const Corner& b) const {
     const float parallax = look_alike(rgb_of(a.colour), rgb_of(b.colour)) ? alike_parallax_ : parallax_;
@@ -98,7 +88,6 @@ Builder::Builder(const PanoramaGrid& grid) : grid_(grid), depths_(grid) {
 }
 
 void Builder::add(const Layer& layer) {
-  check(layer, grid_, layers_.size());
   layers_.push_back(prepare_layer(grid_, depths_, layer));
   // With one range for all, neighbouring codes are as often two surfaces as one.
   if (layer.depth.block_px != 0) smooth_codes(layers_.back(), depths_, parallax_);
@@ -116,8 +105,18 @@ Corner Builder::corner(int layer, int x, int y) const {
           from.colour.samples[i]};
 }
 
+bool Builder::absent(int layer, int x0, int x1, int y) const {
+  if (is_sparse(layer)) return false;  // or true, which is as good
+  const float* w = layers_[static_cast<size_t>(layer)].w.row(y);
+  float nearest = kAbsent;
+  for (int x = x0; x <= x1; ++x) nearest = std::max(nearest, w[x]);
+  return nearest < 0;
+}
+
 // Surfaces of a quad: the index of a corner's surface is its first corner's; -1 = absent.
 std::array<int, 4> Builder::group(const Corners& c) const {
+  if (std::none_of(c.begin(), c.end(), [](const Corner& k) { return k.present(); })) return {-1, -1, -1, -1};
+  if (connected(c[0], c[1]) && connected(c[0], c[2]) && connected(c[1], c[3])) return {0, 0, 0, 0};
   std::array<int, 4> surface = {0, 1, 2, 3};
   const auto join = [&](int a, int b) {
     if (!connected(c[static_cast<size_t>(a)], c[static_cast<size_t>(b)])) return;
@@ -171,9 +170,7 @@ TornQuad Builder::torn_quad(const MeshTile& tile, const std::array<int, 4>& surf
   return quad;
 }
 
-void Builder::build_quad(MeshTile& tile, std::vector<TornQuad>& torn, int x, int y) const {
-  Corners c;
-  for (int i = 0; i < 4; ++i) c[static_cast<size_t>(i)] = corner(tile.layer, x + (i & 1), y + (i >> 1));
+void Builder::build_quad(const Corners& c, int x, int y, MeshTile& tile, std::vector<TornQuad>& torn) const {
   const std::array<int, 4> surface = group(c);
   const bool whole = surface == std::array<int, 4>{0, 0, 0, 0};
   const bool opaque = std::all_of(c.begin(), c.end(), [](const Corner& k) { return alpha_of(k.colour) == 255; });
@@ -225,8 +222,14 @@ MeshTile Builder::build_tile(int layer, int x0, int y0, int x_end) const {
   const int y1 = std::min(y0 + kTilePx, rows(layer).end - 1);
   if (is_sparse(layer) && !sparse(layer).any(x0, x1 + 1, y0, y1 + 1)) return tile;
   std::vector<TornQuad> torn;
-  for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x) build_quad(tile, torn, x, y);
+  for (int y = y0; y < y1; ++y) {
+    if (absent(layer, x0, x1, y) && absent(layer, x0, x1, y + 1)) continue;
+    Corners c{{{}, corner(layer, x0, y), {}, corner(layer, x0, y + 1)}};
+    for (int x = x0; x < x1; ++x) {
+      c = {c[1], corner(layer, x + 1, y), c[3], corner(layer, x + 1, y + 1)};
+      build_quad(c, x, y, tile, torn);
+    }
+  }
   if (std::any_of(std::begin(tile.solid), std::end(tile.solid), [](uint32_t row) { return row != 0; }))
     copy_vertices(tile);
   find_ranges(tile, torn);
@@ -235,7 +238,7 @@ MeshTile Builder::build_tile(int layer, int x0, int y0, int x_end) const {
 }
 
 void Builder::add_made_up(const LayeredPanorama& panorama) {
-  PreparedLayer underlay = make_underlay(layers_, depths_, grid_.wraps, parallax_);
+  PreparedLayer underlay = make_underlay(layers_, depths_, parallax_);
   beyond_ = extend_beyond_frames(layers_.front(), depths_, panorama, parallax_);
   layers_.push_back(std::move(underlay));
 }
@@ -276,25 +279,21 @@ CodedDepths::CodedDepths(const PanoramaGrid& grid) {
     steps_[static_cast<size_t>(step)] = static_cast<float>((grid.w_near - grid.w_far) * step / kDisparitySteps);
 }
 
-bool connected(float a, float a_step, float b, float b_step, float parallax) {
-  if (a < 0 || b < 0) return false;
-  return SurfaceTolerance<float>{parallax, kSlant}.same_surface(a, b, 0.51F * (a_step + b_step));
-}
-
-Mesh build_mesh(const LayeredPanorama& panorama) {
-  return build_mesh(panorama, 0, std::numeric_limits<int>::max(), {});
+void check_layers(const LayeredPanorama& panorama) {
+  const PanoramaGrid& grid = panorama.grid;
+  const auto fits = [&](const auto& plane) { return plane.width == grid.width && plane.height == grid.height; };
+  for (size_t i = 0; i < panorama.layers.size(); ++i) {
+    const Layer& layer = panorama.layers[i];
+    if (!fits(layer.depth.codes) || !fits(layer.coverage) || !fits(layer.colour) ||
+        (!layer.alpha.empty() && !fits(layer.alpha)))
+      throw std::logic_error("Renderer: layer " + std::to_string(i) + " is not as large as the panorama");
+  }
 }
 
 Mesh build_mesh(const LayeredPanorama& panorama, int begin, int end, const Job& job) {
   Builder builder(panorama.grid);
   for (const Layer& layer : panorama.layers) builder.add(layer);
-  return builder.build(panorama, begin, std::min(end, builder.quads_across()), job);
-}
-
-Mesh build_mesh(LayeredPanorama&& panorama) {
-  Builder builder(panorama.grid);
-  for (Layer& layer : panorama.layers) builder.add(std::exchange(layer, {}));
-  return builder.build(panorama, 0, builder.quads_across(), {});
+  return builder.build(panorama, begin, std::min(end, panorama.grid.width - 1), job);
 }
 
 }  // namespace ldp::view

@@ -1,4 +1,4 @@
-// The layers of a panorama as one mesh of small quads, prepared once for any number of views.
+// The layers of a panorama, or of some of its columns, as one mesh of small quads for any number of views.
 //
 // Vertices are the centres of present panorama pixels, lifted to their inverse depth w. A quad lies between four
 // neighbouring pixels. Where all four belong to one surface the quad is solid. Where depth jumps the quad is torn: each
@@ -75,9 +75,10 @@ struct Mesh {
   std::vector<MeshTile> tiles;  // layer by layer, only those with a quad
 };
 
-Mesh build_mesh(const LayeredPanorama& panorama);
-// Only of the quads whose left columns are [begin, end).
+// Of the quads whose left columns are [begin, end). The panorama's layers must be as large as it is; it must not wrap.
 Mesh build_mesh(const LayeredPanorama& panorama, int begin, int end, const Job& job);
-Mesh build_mesh(LayeredPanorama&& panorama);  // the same; lets go of each layer while the next is prepared
+
+// Throws std::logic_error unless all layers are as large as the panorama.
+void check_layers(const LayeredPanorama& panorama);
 
 }  // namespace ldp::view

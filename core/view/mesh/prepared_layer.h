@@ -8,11 +8,12 @@
 #include "core/base/plane.h"
 #include "core/geometry/disparity.h"
 #include "core/geometry/geometry.h"
+#include "core/geometry/same_surface.h"
 #include "core/view/mesh/mesh.h"
+#include "core/view/view_tuning.h"
 
 namespace ldp::view {
 
-// One column wider than the panorama if that wraps: the last one is the first one again.
 struct PreparedLayer {
   Plane<float> w;  // inverse depth; kAbsent where the layer is not present
   Plane<Rgba> colour;
@@ -35,6 +36,9 @@ class CodedDepths {
 
 // Whether two pixels whose codes stand for inverse depths a and b are of one surface; neither is when it is absent.
 // `parallax`: what a very slanted surface may change from pixel to pixel, beside a share of its inverse depth.
-bool connected(float a, float a_step, float b, float b_step, float parallax);
+inline bool connected(float a, float a_step, float b, float b_step, float parallax) {
+  if (a < 0 || b < 0) return false;
+  return SurfaceTolerance<float>{parallax, kSlant}.same_surface(a, b, 0.51F * (a_step + b_step));
+}
 
 }  // namespace ldp::view

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 
@@ -40,12 +41,10 @@ PreparedLayer deepest_of(const std::vector<PreparedLayer>& layers) {
 
 class Grower {
  public:
-  Grower(PreparedLayer deepest, const CodedDepths& depths, bool wraps, float parallax)
+  Grower(PreparedLayer deepest, const CodedDepths& depths, float parallax)
       : deepest_(std::move(deepest)),
         depths_(depths),
-        wraps_(wraps),
         parallax_(parallax),
-        columns_(wraps ? deepest_.w.width - 1 : deepest_.w.width),
         asked_in_(deepest_.w.width, deepest_.w.height, 0),
         grown_(deepest_.w.width, deepest_.w.height, 0) {}
 
@@ -83,21 +82,39 @@ class Grower {
 
   std::vector<Step> steps_everywhere() const {
     std::vector<Step> steps;
-    for (int y = 0; y < deepest_.w.height; ++y)
-      for (int x = 0; x < columns_; ++x) add_step(static_cast<uint32_t>(deepest_.w.index(x, y)), steps);
+    const Plane<float>& w = deepest_.w;
+    std::vector<uint8_t> asked(static_cast<size_t>(w.width));
+    for (int y = 0; y < w.height; ++y) {
+      find_beside_deeper(w.row(y), w.row(std::max(0, y - 1)), w.row(std::min(w.height - 1, y + 1)), asked);
+      for (int x = 0; x < w.width; ++x)
+        if (asked[static_cast<size_t>(x)]) add_step(x, y, steps);
+    }
     return steps;
+  }
+
+  // Which pixels of a row may have a deeper neighbour. Without branches, for vectors.
+  void find_beside_deeper(const float* own, const float* above, const float* below, std::vector<uint8_t>& found) const {
+    const size_t last = found.size() - 1;
+    const auto deeper = [&](float there, float here) { return (there >= 0) & (there < here - parallax_); };
+    for (size_t x = 0; x <= last; ++x)
+      found[x] = static_cast<uint8_t>(deeper(above[x], own[x]) | deeper(below[x], own[x]));
+    for (size_t x = 0; x < last; ++x) found[x] = static_cast<uint8_t>(found[x] | deeper(own[x + 1], own[x]));
+    for (size_t x = 1; x <= last; ++x) found[x] = static_cast<uint8_t>(found[x] | deeper(own[x - 1], own[x]));
   }
 
   // Of the pixels asked those beside a deeper surface, and the pixel of it that goes on there.
   std::vector<Step> steps_at(const std::vector<uint32_t>& asked) const {
     std::vector<Step> steps;
-    for (const uint32_t pixel : asked) add_step(pixel, steps);
+    for (const uint32_t pixel : asked) add_step(column(pixel), row(pixel), steps);
     return steps;
   }
-  void add_step(uint32_t pixel, std::vector<Step>& steps) const {
-    const uint32_t from = deeper_neighbour(pixel);
+  void add_step(int x, int y, std::vector<Step>& steps) const {
+    const auto pixel = static_cast<uint32_t>(deepest_.w.index(x, y));
+    const uint32_t from = deeper_neighbour(x, y);
     if (from != pixel) steps.push_back({pixel, from});
   }
+  int column(uint32_t pixel) const { return static_cast<int>(pixel % static_cast<uint32_t>(deepest_.w.width)); }
+  int row(uint32_t pixel) const { return static_cast<int>(pixel / static_cast<uint32_t>(deepest_.w.width)); }
 
   // What changed and its neighbours, each once: nowhere else is there anything new.
   std::vector<uint32_t> around(const std::vector<Step>& steps, uint8_t round) {
@@ -107,29 +124,30 @@ class Grower {
     };
     for (const Step& s : steps) {
       add(s.to);
-      for_neighbours(s.to, add);
+      for_neighbours(column(s.to), row(s.to), add);
     }
     return pixels;
   }
 
   template <typename Use>
-  void for_neighbours(uint32_t pixel, Use use) const {
+  void for_neighbours(int x, int y, Use use) const {
     constexpr std::array<std::array<int, 2>, 4> kNeighbours = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
     const Plane<float>& w = deepest_.w;
-    const auto width = static_cast<size_t>(w.width);
-    const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
     for (const auto& [dx, dy] : kNeighbours) {
-      const int nx = wraps_ ? (x + dx + columns_) % columns_ : x + dx;
-      if (w.contains(nx, y + dy)) use(static_cast<uint32_t>(w.index(nx, y + dy)));
+      if (w.contains(x + dx, y + dy)) use(static_cast<uint32_t>(w.index(x + dx, y + dy)));
     }
   }
 
-  // The pixel itself when there is none.
-  uint32_t deeper_neighbour(uint32_t own) const {
+  // The pixel itself when there is none. (Smoothing moves depths within what codes leave unknown, so that what is no
+  // farther than the slack of a slant is of its surface.)
+  uint32_t deeper_neighbour(int x, int y) const {
     const Plane<float>& w = deepest_.w;
+    const auto own = static_cast<uint32_t>(w.index(x, y));
+    const float deeper = w.samples[own] - parallax_;
     uint32_t best = own;
-    for_neighbours(own, [&](uint32_t n) {
-      if (w.samples[n] >= 0 && w.samples[n] < w.samples[best] && !same_surface(own, n)) best = n;
+    for_neighbours(x, y, [&](uint32_t n) {
+      const float there = w.samples[n];
+      if (there >= 0 && there < deeper && there < w.samples[best] && !same_surface(own, n)) best = n;
     });
     return best;
   }
@@ -142,17 +160,14 @@ class Grower {
 
   PreparedLayer deepest_;
   const CodedDepths& depths_;
-  bool wraps_;
   float parallax_;
-  int columns_;  // without the repeated one
   Plane<uint8_t> asked_in_, grown_;
 };
 
 }  // namespace
 
-PreparedLayer make_underlay(const std::vector<PreparedLayer>& layers, const CodedDepths& depths, bool wraps,
-                            float parallax) {
-  return Grower(deepest_of(layers), depths, wraps, parallax).grow();
+PreparedLayer make_underlay(const std::vector<PreparedLayer>& layers, const CodedDepths& depths, float parallax) {
+  return Grower(deepest_of(layers), depths, parallax).grow();
 }
 
 }  // namespace ldp::view

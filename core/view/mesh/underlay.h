@@ -9,8 +9,7 @@
 
 namespace ldp::view {
 
-// Layers of one size, at least one. `wraps`: the last column is the first one again. Colours are those of the edge.
-PreparedLayer make_underlay(const std::vector<PreparedLayer>& layers, const CodedDepths& depths, bool wraps,
-                            float parallax);
+// Layers of one size, at least one. Colours are those of the edge.
+PreparedLayer make_underlay(const std::vector<PreparedLayer>& layers, const CodedDepths& depths, float parallax);
 
 }  // namespace ldp::view

@@ -133,6 +133,13 @@ void add(const View& view, Rendered& totals) {
   ++totals.views;
 }
 
+void add(const Rendered& some, Rendered& totals) {
+  totals.holes += some.holes;
+  totals.invented += some.invented;
+  totals.blind += some.blind;
+  totals.views += some.views;
+}
+
 // A path's views are numbered: those that a longer one left would pass for the end of this one.
 void refuse_longer_path(const RenderCommand& command) {
   const fs::path next = fs::path(command.output) / path_view_name(command.frames);
@@ -144,20 +151,57 @@ void refuse_longer_path(const RenderCommand& command) {
   }
 }
 
+uint64_t bytes_of_view(const RenderCommand& command, const Intrinsics& lens) {
+  return (kBytesOfView + (command.exr ? kBytesOfExr : 0)) * static_cast<uint64_t>(lens.width) *
+         static_cast<uint64_t>(lens.height);
+}
+
+// How many views are drawn and coded at the same time: as threads allow, while they are small.
+int views_at_once(const RenderCommand& command, const std::vector<Camera>& cameras, const Job& job) {
+  constexpr uint64_t kEasyBytes = 256 << 20;
+  uint64_t largest = 1;
+  for (const Camera& camera : cameras) largest = std::max(largest, bytes_of_view(command, camera.intrinsics));
+  return std::clamp(static_cast<int>(std::min<uint64_t>(kEasyBytes / largest, cameras.size())), 1,
+                    std::max(1, job.threads));
+}
+
+// A view's files by their endings.
+struct Pictures {
+  std::vector<uint8_t> png, pfm, exr;
+  Rendered totals;
+};
+
+Pictures draw_pictures(const RenderCommand& command, const Renderer& renderer, const Camera& camera, const Job& job) {
+  const View view = renderer.render(camera, command.options, job);
+  Pictures pictures;
+  pictures.png = encode_png(view.colour, view.alpha, kRendered);
+  if (command.pfm) pictures.pfm = encode_pfm(view.depth);
+  if (command.exr) pictures.exr = encode_exr(view);
+  add(view, pictures.totals);
+  return pictures;
+}
+
 Rendered render_pictures(const RenderCommand& command, const Renderer& renderer, const std::vector<Camera>& cameras,
                          const Job& job) {
   OutputFolder folder(command.output, OutputFolder::Existing::merge);
+  const int at_once = views_at_once(command, cameras, job), count = static_cast<int>(cameras.size());
+  Job of_one{.threads = std::max(1, job.threads / at_once), .stop = job.stop, .progress = {}, .remark = {}};
   Rendered totals;
-  for (const Camera& camera : cameras) {
-    job.report("rendering", totals.views / static_cast<double>(cameras.size()));
-    const View view = renderer.render(camera, command.options, job);
-    const std::string stem = fs::path(camera.name).stem().string();
-    folder.fill([&] {
-      write_file(folder.path() / (stem + ".png"), encode_png(view.colour, view.alpha, kRendered));
-      if (command.pfm) write_file(folder.path() / (stem + ".pfm"), encode_pfm(view.depth));
-      if (command.exr) write_file(folder.path() / (stem + ".exr"), encode_exr(view));
+  for (int first = 0; first < count; first += at_once) {
+    job.report("rendering", first / static_cast<double>(count));
+    std::vector<Pictures> drawn(static_cast<size_t>(std::min(at_once, count - first)));
+    parallel_for(job, static_cast<int>(drawn.size()), [&](int i) {
+      drawn[static_cast<size_t>(i)] = draw_pictures(command, renderer, cameras[static_cast<size_t>(first + i)], of_one);
     });
-    add(view, totals);
+    for (size_t i = 0; i < drawn.size(); ++i) {
+      const std::string stem = fs::path(cameras[static_cast<size_t>(first) + i].name).stem().string();
+      folder.fill([&] {
+        write_file(folder.path() / (stem + ".png"), drawn[i].png);
+        if (command.pfm) write_file(folder.path() / (stem + ".pfm"), drawn[i].pfm);
+        if (command.exr) write_file(folder.path() / (stem + ".exr"), drawn[i].exr);
+      });
+      add(drawn[i].totals, totals);
+    }
   }
   job.check();
   folder.keep();
@@ -196,8 +240,7 @@ void check(const RenderCommand& command) {
 
 void check_view(const RenderCommand& command, const Camera& camera) {
   const Intrinsics& k = camera.intrinsics;
-  const uint64_t pixels = static_cast<uint64_t>(k.width) * static_cast<uint64_t>(k.height);
-  check_memory(command.input, (kBytesOfView + (command.exr ? kBytesOfExr : 0)) * pixels,
+  check_memory(command.input, bytes_of_view(command, k),
                "the view " + camera.name + " of " + std::to_string(k.width) + "x" + std::to_string(k.height));
 }
 
