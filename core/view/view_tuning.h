@@ -50,7 +50,7 @@ constexpr int kSolidAlpha = 250;  // rounding of soft edges that cover each othe
 constexpr int kRimPx = 2;         // rim pixels are this near to a hole; 1 .. 8
 
 // Views drawn in parts; none of these changes a view.
-constexpr int kStripPx = 200;   // few tiles cross strips, and a strip's buffers still fit a cache
+constexpr int kStripPx = 200;  // few tiles cross strips, and a strip's buffers still fit a cache
 // Tiles across of a panorama's strips that are made together: of those let go when a camera no longer sees them, and of
 // those that stay.
 constexpr int kStripTiles = 4, kRendererStripTiles = 8;
