@@ -87,7 +87,7 @@ using namespace ldp::library;
 
 ldp_status ldp_prepare(ldp_panorama* panorama, int threads, ldp_stop* stop, ldp_error* error) {
   return guarded("prepare views", error, [&] {
-    const Job job = job_of(threads, stop);
+    const ldp::Job job = job_of(threads, stop);
     prepared(required(panorama, "panorama"), job)->prepare(job);
   });
 }
