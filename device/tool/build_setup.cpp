@@ -99,15 +99,15 @@ void add_capture_options(CLI::App& command, BuildSetup& setup) {
       ->check(CLI::IsMember({0, 90, 180, 270}))
       ->capture_default_str();
   command.add_option("--seed", setup.build.poses.seed, "Of every random choice")
-      ->check(CLI::Range(0U, std::numeric_limits<unsigned>::max()))
+      ->check(whole_within(0U, std::numeric_limits<unsigned>::max()))
       ->capture_default_str();
 }
 
 void add_build_options(CLI::App& command, BuildSetup& setup) {
   BuildOptions& build = setup.build;
-  command.add_option("--layers", build.layers, "Layers at most")->check(CLI::Range(1, 8))->capture_default_str();
+  command.add_option("--layers", build.layers, "Layers at most")->check(whole_within(1, 8))->capture_default_str();
   command.add_option("--labels", build.labels, "Depth labels of the graph cut")
-      ->check(CLI::Range(2, 16))
+      ->check(whole_within(2, 16))
       ->capture_default_str();
   command
       .add_option_function<std::string>(
@@ -119,7 +119,7 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
       .add_option("--iterations", build.iterations,
                   "Rounds; from the second on with visibility, and the photos choose between the last two; without as "
                   "many as the effort asks for")
-      ->check(CLI::Range(1, 4));
+      ->check(whole_within(1, 4));
   command
       .add_option_function<std::string>(
           "--rays",
@@ -128,13 +128,13 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
       ->check(CLI::IsMember({"pushbroom", "central"}))
       ->default_str("pushbroom");
   command.add_option("--block", build.block_px, "Pixels per side of a block of depth codes; 0 = one range for all")
-      ->check(CLI::Range(0, 256))
+      ->check(whole_within(0, 256))
       ->capture_default_str();
   command.add_option("--near", build.near_depth, "Nearest depth, in the capture's unit; 0 = from the photos")
       ->check(number_within(0.0, 1e9));
   command.add_option("--far", build.far_depth, "Farthest depth; 0 = from the photos")->check(number_within(0.0, 1e9));
   command.add_option("--quality", setup.colour_quality, "Of colour, 1 to 100, layers behind 20 less; 101 = lossless")
-      ->check(CLI::Range(1, 101))
+      ->check(whole_within(1, 101))
       ->capture_default_str();
   command
       .add_option(

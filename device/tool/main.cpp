@@ -15,6 +15,7 @@
 
 #include "core/base/markup_text.h"
 #include "device/tool/commands.h"
+#include "device/tool/number_within.h"
 #include "device/tool/process/interrupt.h"
 #include "device/tool/process/out_of_memory.h"
 #include "device/tool/process/progress_bar.h"
@@ -134,7 +135,7 @@ CLI::App& add_command(Program& program, const std::string& name, const std::stri
                       const std::function<int(const Session&)>& run) {
   CLI::App& command = *program.app.add_subcommand(name, what);
   command.add_option("--threads", program.session.threads, "Threads to use; 0 = one per processor")
-      ->check(CLI::Range(0, 256));
+      ->check(whole_within(0, 256));
   command.add_flag("--json", program.session.json, "Print machine-readable output");
   command
       .add_option(

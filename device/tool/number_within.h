@@ -1,4 +1,4 @@
-// The range check of every option that takes a number with a fraction.
+// The range checks of options that take a number.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -21,6 +21,18 @@ inline CLI::Validator number_within(double low, double high) {
   return CLI::Validator(
       [range](std::string& text) { return number_of(text) ? range(text) : "Value " + text + " is not a number"; },
       range.get_description());
+}
+
+// CLI::Range, which of what is no whole number says only that it is out of range.
+template <typename Whole>
+CLI::Validator whole_within(Whole low, Whole high) {
+  return CLI::Validator(
+      [low, high](std::string& text) {
+        Whole value = 0;
+        if (CLI::detail::lexical_cast(text, value) && low <= value && value <= high) return std::string();
+        return "Value " + text + " is not a whole number from " + std::to_string(low) + " to " + std::to_string(high);
+      },
+      CLI::Range(low, high).get_description());
 }
 
 // 0 besides, which means that nothing is given.

@@ -209,8 +209,11 @@ TEST_F(Outputs, HelpAndRefusalsHoldPrintableTextOnly) {
        {std::vector<std::string>{"scene", "room", "-o", path("room")}, {"poses", path("x")}}) {
     std::vector<std::string> with_seed = words;
     with_seed.insert(with_seed.end(), {"--seed", "-1"});
-    expect_refusal(with_seed, 2, "--seed: Value -1 not in range 0 to 4294967295");
+    expect_refusal(with_seed, 2, "--seed: Value -1 is not a whole number from 0 to 4294967295");
   }
+  for (const std::string quality : {"95.5", "x", "102", "0", ""})
+    expect_refusal({"build", path("x"), "-o", path("a.ldp"), "--quality", quality}, 2,
+                   "--quality: Value " + quality + " is not a whole number from 1 to 101");
   for (const auto& words : {std::vector<std::string>{"build", "x", "-o", "a.ldp", "--rays", "round"},
                             std::vector<std::string>{"render", "a.ldp", "-o", "views", "--fill", "green"}})
     EXPECT_TRUE(printable(ldp(words).err)) << words[0];

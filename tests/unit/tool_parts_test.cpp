@@ -238,5 +238,15 @@ TEST(Numbers, LieWithinTheirBoundsAndNanDoesNot) {
   for (const char* const bad : {"0.29", "0.96", "-1", "nan", "inf", "half", ""}) EXPECT_NE(read(bad), "") << bad;
 }
 
+TEST(Numbers, ThatAreWholeAreAskedForAsSuch) {
+  const auto read = [](std::string text) { return whole_within(1, 101)(text); };
+  for (const char* const good : {"1", "95", "101"}) EXPECT_EQ(read(good), "") << good;
+  for (const char* const bad : {"0", "102", "-1", "95.5", "1e1", "99999999999", "x", "", "5 "})
+    EXPECT_EQ(read(bad), "Value " + std::string(bad) + " is not a whole number from 1 to 101");
+  std::string negative = "-1";
+  EXPECT_NE(whole_within(0U, 7U)(negative), "");
+  EXPECT_EQ(whole_within(1, 101).get_description(), "INT in [1 - 101]");
+}
+
 }  // namespace
 }  // namespace ldp

@@ -125,7 +125,7 @@ void add_capture(Program& program) {
       ->check(number_within(0.3, 0.95))
       ->capture_default_str();
   app.add_option("--max-frames", config.max_frames, "The sweep ends after so many")
-      ->check(CLI::Range(3, 1000))
+      ->check(whole_within(3, 1000))
       ->capture_default_str();
   app.add_option("--max-seconds", config.max_seconds, "The sweep ends after so long")
       ->check(number_within(1.0, 3600.0))

@@ -23,6 +23,7 @@
 #include "device/tool/commands/baseline.h"
 #include "device/tool/commands/build_report.h"
 #include "device/tool/json/quality_json.h"
+#include "device/tool/number_within.h"
 #include "device/tool/output.h"
 #include "device/tool/process/progress_bar.h"
 #include "device/tool/switches.h"
@@ -260,7 +261,7 @@ void add_evaluate(Program& program) {
   add_capture_options(app, command->setup);
   add_build_options(app, command->setup);
   app.add_option("--every", command->every, "Leave each Nth photo out")
-      ->check(CLI::Range(2, 1000))
+      ->check(whole_within(2, 1000))
       ->capture_default_str();
   app.add_option("--keep", command->keep, "Keep the pictures in this folder");
 }

@@ -179,7 +179,7 @@ void add_export(Program& program) {
       app.add_flag("--plain", command->options.plain, "A .glb for readers of bare glTF: several times as large");
   command->quality =
       app.add_option("--quality", command->options.quality, "Of the JPEG or WebP images in a .jpg or .glb")
-          ->check(CLI::Range(1, 100))
+          ->check(whole_within(1, 100))
           ->capture_default_str();
 }
 

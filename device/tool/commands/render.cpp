@@ -317,7 +317,7 @@ void add_render(Program& program) {
   app.add_option("--path", command->path, "Move through the panorama instead: sway, walk or dolly")
       ->check(CLI::IsMember({"sway", "walk", "dolly"}));
   app.add_option("--frames", command->frames, "Views along the path")
-      ->check(CLI::Range(1, 100000))
+      ->check(whole_within(1, 100000))
       ->capture_default_str()
       ->excludes("--cameras");
   app.add_option("--size", command->size, "Size of views along the path, WIDTHxHEIGHT")->excludes("--cameras");
@@ -327,7 +327,7 @@ void add_render(Program& program) {
   app.add_flag("--depth", command->pfm, "Also write z-depth, as .pfm");
   app.add_flag("--exr", command->exr, "Also write linear colour, alpha and z-depth together, as OpenEXR's .exr");
   app.add_option("--layers", command->options.layers, "Draw at most so many layers")
-      ->check(CLI::Range(1, 8))
+      ->check(whole_within(1, 8))
       ->capture_default_str();
   app.add_option_function<std::string>(
          "--fill",

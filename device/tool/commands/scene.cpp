@@ -88,7 +88,7 @@ void add_scene(Program& program) {
   app.add_option("NAME", command->scene.scene, "Which scene");
   app.add_option("-o,--output", command->output, "Folder to make");
   app.add_flag("--list", command->list, "Print the names of the scenes");
-  app.add_option("--frames", path.frames, "Photos in the sweep")->check(CLI::Range(1, 1000))->capture_default_str();
+  app.add_option("--frames", path.frames, "Photos in the sweep")->check(whole_within(1, 1000))->capture_default_str();
   app.add_option("--arc", command->arc_deg, "Angle of the sweep, degrees")
       ->check(number_within(0.0, 360.0))
       ->capture_default_str();
@@ -134,12 +134,12 @@ void add_scene(Program& program) {
       ->check(number_within(0.0, 0.5))
       ->capture_default_str();
   app.add_option("--seed", command->scene.seed, "Of the scene, the hand and the noise")
-      ->check(CLI::Range(uint32_t{0}, std::numeric_limits<uint32_t>::max()))
+      ->check(whole_within(uint32_t{0}, std::numeric_limits<uint32_t>::max()))
       ->capture_default_str();
   app.add_option("--around", command->scene.around.width,
                  "Also what is seen all around from the arc's centre, so many pixels a turn (an even number): by one "
                  "eye with distances, and by two (around/)")
-      ->check(CLI::Range(64, 16384));
+      ->check(whole_within(64, 16384));
   const CLI::Option* const heading =
       app.add_option("--heading", command->heading_deg,
                      "Where the middle of it looks, degrees to the right of the sweep's middle")

@@ -15,6 +15,7 @@
 #include "device/backends/open.h"
 #include "device/gallery/status_json.h"
 #include "device/tool/commands.h"
+#include "device/tool/number_within.h"
 #include "drivers/interface/clocks.h"
 #include "drivers/interface/status.h"
 #include "drivers/interface/unique_fd.h"
@@ -120,7 +121,8 @@ void add_watch(Program& program) {
                               [command](const Session& session) { return run_watch(*command, session); });
   app.add_option("--status", command->url, "LCM address, or a log as lcm:file://LOG?speed=0")->capture_default_str();
   app.add_option("--send", command->send, "press, release, stop (ends the sweep), cancel or retry");
-  app.add_option("--count", command->count, "End after so many messages; 0 = never")->check(CLI::Range(0, 1000000000));
+  app.add_option("--count", command->count, "End after so many messages; 0 = never")
+      ->check(whole_within(0, 1000000000));
 }
 
 }  // namespace ldp
