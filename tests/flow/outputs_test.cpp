@@ -68,6 +68,18 @@ TEST_F(Outputs, ASweepOfLightAndShadeIsShownAtLocalOrEvenExposure) {
                  "--exposure");
 }
 
+TEST_F(Outputs, InfoTellsHowColoursAreCoded) {
+  const auto told = [&](const std::string& file, const std::string& coding, const std::string& text) {
+    const std::string golden = LDP_SOURCE "/tests/golden/" + file;
+    const auto layers = nlohmann::json::parse(ldp({"info", golden, "--json"}).out).at("layers");
+    EXPECT_EQ(layers.at(0).at("colour"), nlohmann::json::array({coding})) << file;
+    EXPECT_THAT(ldp({"info", golden}).out, HasSubstr(text)) << file;
+  };
+  told("uniform_lossless.ldp", "webp_lossless", " covered, colours in lossless WebP\n");
+  told("jpeg_one_layer.ldp", "jpeg", ", colours in JPEG\n");
+  told("blocks_alpha_wraps.ldp", "webp", ", soft edges, colours in WebP\n");
+}
+
 TEST_F(Outputs, NamesThatAreNoUtf8AreReportedAndStored) {
   const std::string odd = path("caf\xe9"), report = path("report.json"), cameras = path("cameras.json");
   fs::rename(capture(), odd);

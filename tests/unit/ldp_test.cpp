@@ -302,6 +302,24 @@ TEST(LdpDescription, TellsWhatIsThereWithoutDecoding) {
   EXPECT_EQ(sum, file.size());
 }
 
+TEST(LdpDescription, TellsHowColoursAreCoded) {
+  LayeredPanorama panorama = synthetic_panorama({});
+  Layer nothing = panorama.layers[0];
+  std::fill(nothing.coverage.samples.begin(), nothing.coverage.samples.end(), uint8_t{0});
+  std::fill(nothing.depth.codes.samples.begin(), nothing.depth.codes.samples.end(), uint8_t{0});
+  std::fill(nothing.colour.samples.begin(), nothing.colour.samples.end(), Rgb{});
+  panorama.layers = {panorama.layers[0], nothing};
+  const auto codings = [&](int quality, int layer) {
+    const std::vector<uint8_t> file = encode_ldp(panorama, {quality, LdpCodec::none});
+    return LdpReader(file).colour_codings(layer);
+  };
+  using testing::ElementsAre;
+  EXPECT_THAT(codings(90, 0), ElementsAre(ColourCoding::webp));
+  EXPECT_THAT(codings(100, 0), ElementsAre(ColourCoding::jpeg));
+  EXPECT_THAT(codings(101, 0), ElementsAre(ColourCoding::webp_lossless));
+  EXPECT_THAT(codings(90, 1), testing::IsEmpty());
+}
+
 TEST(LdpErrors, EveryTruncationIsRefused) {
   const std::vector<uint8_t> file = encode_ldp(synthetic_panorama({64, 48}), {});
   for (size_t length = 0; length < file.size(); ++length)

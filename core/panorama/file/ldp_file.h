@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -35,6 +36,7 @@ constexpr int kMaxLdpBlock = 256;
 constexpr int kMaxLdpStrip = 8192;
 
 enum class LdpCodec : uint8_t { none = 0, jpeg = 1, webp = 2 };
+enum class ColourCoding { webp, webp_lossless, jpeg };  // of what is there, in either layout
 
 struct LdpEncodeOptions {
   int colour_quality = 90;  // of the front layer, 1 .. 100; those behind get 20 less; 101 = all lossless
@@ -86,6 +88,9 @@ class LdpReader {
   LdpReader& operator=(LdpReader&&) noexcept;
 
   const LdpDescription& description() const;
+
+  // All that its strips have, without decoding them; empty for a layer without a pixel.
+  std::set<ColourCoding> colour_codings(int layer) const;
 
   // One layer, or its columns [begin, end): planes of that width; ranges of the blocks that overlap it, so that with
   // block_px > 0 begin must be a multiple of block_px. Only strips that overlap are decoded. Without colour, the colour

@@ -215,6 +215,16 @@ LdpReader& LdpReader::operator=(LdpReader&&) noexcept = default;
 
 const LdpDescription& LdpReader::description() const { return state_->description; }
 
+std::set<ColourCoding> LdpReader::colour_codings(int layer) const {
+  std::set<ColourCoding> codings;
+  for (const StripChunks& strip : state_->index.layers.at(static_cast<size_t>(layer)).strips) {
+    const LdpChunk& chunk = state_->chunk(*strip.colour);
+    const auto coding = coding_of_colour(state_->content(*strip.colour), place_of(chunk), state_->description.version);
+    if (coding) codings.insert(*coding);
+  }
+  return codings;
+}
+
 Layer LdpReader::read_layer(int layer, const Job& job) const {
   Layer decoded = read_layer(layer, {0, state_->description.panorama.grid.width}, true, job);
   check_present(layer, count_present(decoded.coverage));

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -55,16 +57,48 @@ Json arc_json(const Arc& arc) {
   return json;
 }
 
-Json layers_json(const LdpDescription& description) {
+struct CodingNames {
+  const char *json, *text;
+};
+
+CodingNames names_of(ColourCoding coding) {
+  switch (coding) {
+    case ColourCoding::webp:
+      return {"webp", "WebP"};
+    case ColourCoding::webp_lossless:
+      return {"webp_lossless", "lossless WebP"};
+    case ColourCoding::jpeg:
+      return {"jpeg", "JPEG"};
+  }
+  throw std::logic_error("names_of: no coding of colours");
+}
+
+Json colour_json(const std::set<ColourCoding>& codings) {
+  Json names = Json::array();
+  for (const ColourCoding coding : codings) names.push_back(names_of(coding).json);
+  return names;
+}
+
+std::string colour_text(const std::set<ColourCoding>& codings) {
+  std::string text;
+  for (const ColourCoding coding : codings)
+    text += (text.empty() ? ", colours in " : " and ") + std::string(names_of(coding).text);
+  return text;
+}
+
+Json layers_json(const LdpReader& reader) {
   Json layers = Json::array();
+  const LdpDescription& description = reader.description();
   const PanoramaGrid& grid = description.panorama.grid;
   const double pixels = static_cast<double>(grid.width) * grid.height;
-  for (const LdpLayerSummary& layer : description.layers) {
+  for (size_t i = 0; i < description.layers.size(); ++i) {
+    const LdpLayerSummary& layer = description.layers[i];
     layers.push_back({{"coverage", static_cast<double>(layer.present_pixels) / pixels},
                       {"present_pixels", layer.present_pixels},
                       {"block_px", layer.block_px},
                       {"strip_px", layer.strip_px},
-                      {"alpha", layer.has_alpha}});
+                      {"alpha", layer.has_alpha},
+                      {"colour", colour_json(reader.colour_codings(static_cast<int>(i)))}});
   }
   return layers;
 }
@@ -89,7 +123,8 @@ std::pair<double, double> exposure_range(const DisplayExposure& exposure) {
   return {least / double{GainField::kOne}, most / double{GainField::kOne}};
 }
 
-Json info_json(const LdpDescription& description) {
+Json info_json(const LdpReader& reader) {
+  const LdpDescription& description = reader.description();
   const LayeredPanorama& panorama = description.panorama;
   Json json;
   json["version"] = description.version;
@@ -99,7 +134,7 @@ Json info_json(const LdpDescription& description) {
   json["limits"] = {{"inner_radius", panorama.limits.inner_radius},
                     {"outer_radius", panorama.limits.outer_radius},
                     {"height", panorama.limits.height}};
-  json["layers"] = layers_json(description);
+  json["layers"] = layers_json(reader);
   json["cameras"] = cameras_json(panorama.cameras);
   if (!panorama.exposure.empty()) {
     const auto [least, most] = exposure_range(panorama.exposure);
@@ -155,7 +190,8 @@ void print_quality(const std::map<std::string, double>& figures) {
     if (!quality || !is_of_verdict(name)) std::printf("quality   %s %.4g\n", printable(name).c_str(), value);
 }
 
-void print_text(const std::string& file, const LdpDescription& description) {
+void print_text(const std::string& file, const LdpReader& reader) {
+  const LdpDescription& description = reader.description();
   const LayeredPanorama& panorama = description.panorama;
   const PanoramaGrid& grid = panorama.grid;
   std::printf("%s: layered depth panorama, version %d, %llu bytes\n", printable(file).c_str(), description.version,
@@ -171,8 +207,9 @@ void print_text(const std::string& file, const LdpDescription& description) {
   for (size_t i = 0; i < description.layers.size(); ++i) {
     const double share =
         static_cast<double>(description.layers[i].present_pixels) / (static_cast<double>(grid.width) * grid.height);
-    std::printf("layer %zu   %.1f %% covered%s\n", i + 1, 100 * share,
-                description.layers[i].has_alpha ? ", soft edges" : "");
+    std::printf("layer %zu   %.1f %% covered%s%s\n", i + 1, 100 * share,
+                description.layers[i].has_alpha ? ", soft edges" : "",
+                colour_text(reader.colour_codings(static_cast<int>(i))).c_str());
   }
   if (!panorama.exposure.empty()) {
     const auto [least, most] = exposure_range(panorama.exposure);
@@ -195,11 +232,11 @@ int run(const PanoramaInput& input, const Session& session) {
   try {
     const std::vector<std::string> damages = verify_panorama(input, mapped.bytes(), job);
     if (!damages.empty()) throw LdpError(damages.front());
-    const LdpDescription description = describe_ldp(mapped.bytes());
+    const LdpReader reader(mapped.bytes());
     if (session.json)
-      std::printf("%s\n", json_text(info_json(description), 1).c_str());
+      std::printf("%s\n", json_text(info_json(reader), 1).c_str());
     else
-      print_text(file, description);
+      print_text(file, reader);
   } catch (const LdpError& error) {
     throw BadInput(file + ": " + refusal_of(mapped.bytes(), error.what()));
   }

@@ -117,10 +117,11 @@ Coded encode_plain(const RgbImage& packed, LdpCodec codec, int quality) {
   return {ColourCodec::webp, encode_webp(made_for_guiding(packed), quality)};
 }
 
-bool is_lossy_webp(std::span<const uint8_t> image) {
-  constexpr std::string_view kFirstChunk = "VP8 ";
-  return image.size() >= 16 && std::ranges::equal(image.subspan(12, 4), kFirstChunk);
+bool is_webp_of(std::string_view first_chunk, std::span<const uint8_t> image) {
+  return image.size() >= 16 && std::ranges::equal(image.subspan(12, 4), first_chunk);
 }
+
+bool is_lossy_webp(std::span<const uint8_t> image) { return is_webp_of("VP8 ", image); }
 
 RgbImage decode_packed(std::span<const uint8_t> image, const std::string& name) {
   RgbImage packed = decode_image(image, name);
@@ -175,6 +176,10 @@ bool has_magic(std::span<const uint8_t> image, ColourCodec codec) {
   return !image.empty() && image[0] == first;
 }
 
+ColourCodec read_codec(ByteReader& reader, int version) {
+  return static_cast<ColourCodec>(reader.choice("codec", version == 1 ? 2 : 4));
+}
+
 ColourLayout layout_of(ColourCodec codec) {
   return codec >= ColourCodec::jpeg_gathered ? ColourLayout::gathered : ColourLayout::plain;
 }
@@ -201,9 +206,17 @@ int version_of_colour(std::span<const uint8_t> bytes) {
   return !bytes.empty() && layout_of(static_cast<ColourCodec>(bytes[0])) == ColourLayout::gathered ? 2 : 1;
 }
 
+std::optional<ColourCoding> coding_of_colour(std::span<const uint8_t> bytes, const Place& place, int version) {
+  ByteReader reader(bytes, place);
+  const ColourCodec codec = read_codec(reader, version);
+  if (codec == ColourCodec::none) return std::nullopt;
+  if (is_jpeg_codec(codec)) return ColourCoding::jpeg;
+  return is_webp_of("VP8L", reader.take(reader.left())) ? ColourCoding::webp_lossless : ColourCoding::webp;
+}
+
 RgbImage decode_colour_strip(std::span<const uint8_t> bytes, const Place& place, const DepthStrip& strip, int version) {
   ByteReader reader(bytes, place);
-  const auto codec = static_cast<ColourCodec>(reader.choice("codec", version == 1 ? 2 : 4));
+  const ColourCodec codec = read_codec(reader, version);
   const ColourPacking packing(strip, layout_of(codec));
   const ImageSize expected = packing.size();
   const bool any = std::any_of(strip.tiles.samples.begin(), strip.tiles.samples.end(),

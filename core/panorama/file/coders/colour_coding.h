@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,9 @@ std::vector<uint8_t> encode_colour_strip(const DepthStrip& strip, const RgbImage
 
 // The first version of the format that has what these bytes of a chunk use.
 int version_of_colour(std::span<const uint8_t> bytes);
+
+// Of a chunk's bytes, undecoded; none where no pixel is present.
+std::optional<ColourCoding> coding_of_colour(std::span<const uint8_t> bytes, const Place& place, int version);
 
 // Absent pixels get {0, 0, 0}.
 RgbImage decode_colour_strip(std::span<const uint8_t> bytes, const Place& place, const DepthStrip& strip, int version);
