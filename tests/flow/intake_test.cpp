@@ -128,6 +128,16 @@ TEST_F(Intakes, ListsThatCannotBeMeantAreRefused) {
   expect_refusal({"poses", first}, 1, "one photo only");
 }
 
+TEST_F(Intakes, AFinishedPanoramaIsNotTakenForPhotosOfOne) {
+  const std::string file = LDP_SOURCE "/tests/golden/tiny.ldp";
+  const std::string says = file +
+                           ": is a finished panorama already, not photos of one: render views of it with ldp "
+                           "render, or see what is in it with ldp info\n";
+  expect_refusal({"build", file, "-o", path("b.ldp")}, 2, says);
+  expect_refusal({"poses", file}, 2, says);
+  expect_refusal({"poses", photos().front(), file}, 2, says);
+}
+
 class Archives : public Intakes {
  protected:
   void SetUp() override {

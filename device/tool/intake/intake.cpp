@@ -55,11 +55,19 @@ std::vector<fs::path> read_list(const fs::path& list) {
   return photos;
 }
 
+[[noreturn]] void refuse_panorama(const fs::path& file) {
+  throw BadInput(file.string() +
+                 ": is a finished panorama already, not photos of one: render views of it with ldp render, or see "
+                 "what is in it with ldp info");
+}
+
 void check_photos(const std::vector<fs::path>& photos) {
   std::set<std::string> names;
   for (const fs::path& photo : photos) {
     check_input_file(photo);
-    if (!is_converted(photo) && kind_of_content(photo) != FileKind::photo)
+    const FileKind kind = is_converted(photo) ? FileKind::photo : kind_of_content(photo);
+    if (kind == FileKind::panorama) refuse_panorama(photo);
+    if (kind != FileKind::photo)
       throw BadInput(photo.string() + ": is no photo: of several names each must be a photo");
     if (!names.insert(photo.filename().string()).second)
       throw BadInput(photo.string() + ": two photos are named " + photo.filename().string() + ": rename one");
@@ -125,6 +133,7 @@ void Intake::take_file(const fs::path& file, const IntakeOptions& options, const
   if (fs::status(file, unknown).type() == fs::file_type::not_found)
     throw BadInput(file.string() + ": there is no such folder, photo, archive or film: check the name");
   const FileKind kind = kind_of_content(file);
+  if (kind == FileKind::panorama) refuse_panorama(file);
   if (kind == FileKind::photo || kind == FileKind::heif || kind == FileKind::raw) {
     photos_ = as_called({file});  // too few anyway
     return;

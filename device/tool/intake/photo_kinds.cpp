@@ -43,6 +43,7 @@ FileKind kind_of_content(const std::filesystem::path& file) {
   constexpr std::array kRaw = {"II*\0"sv, "MM\0*"sv, "IIRO"sv, "IIRS"sv, "IIU\0"sv, "FUJIFILMCCD-RAW"sv};
   if (starts_with_one_of(head, kPhoto)) return FileKind::photo;
   if (starts_with_one_of(head, kZip)) return FileKind::zip;
+  if (head.starts_with("\xABLDP"sv)) return FileKind::panorama;
   if (one_of(brand_of(head), kHeif)) return FileKind::heif;
   if (brand_of(head) == "crx " || starts_with_one_of(head, kRaw)) return FileKind::raw;
   return FileKind::other;
