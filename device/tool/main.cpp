@@ -31,8 +31,10 @@ const CLI::App* command_of(const CLI::App& app, const std::string& name) {
   return named.empty() ? nullptr : named.front();
 }
 
+std::string name_of(const Program& program) { return program.command.empty() ? "ldp" : "ldp " + program.command; }
+
 std::string line_from(const Program& program, const std::string& message) {
-  std::string line = (program.command.empty() ? "ldp" : "ldp " + program.command) + ": " + message;
+  std::string line = name_of(program) + ": " + message;
   for (char& c : line) c = c == '\n' ? ' ' : c;
   return printable(line);
 }
@@ -105,9 +107,11 @@ Failure failure_of(const Program& program, const std::exception_ptr& cause) {
 
 int run(const Program& program) {
   say_when_memory_ends(line_from(program, out_of_memory(program)));
+  say_when_interrupted(name_of(program));
   try {
     return program.chosen();
   } catch (const Cancelled&) {
+    std::fputs(take_interrupted_line().c_str(), stderr);
     return kInterrupted;
   } catch (...) {
     const Failure failure = failure_of(program, std::current_exception());

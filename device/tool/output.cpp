@@ -120,7 +120,10 @@ void check_output_file(const fs::path& file, const std::string& extension) {
 void write_output(const fs::path& file, std::span<const uint8_t> bytes) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
-  if (fs::exists(status) && !fs::is_regular_file(status)) return write_file(file, bytes);  // a pipe or device
+  if (fs::exists(status) && !fs::is_regular_file(status)) {  // a pipe or device
+    note_written();
+    return write_file(file, bytes);
+  }
   try {
     PartialFile partial(file);
     const Temporary temporary(partial.path());

@@ -68,8 +68,25 @@ TEST_F(Outputs, AnInterruptedExportLeavesNoTemporaryFileHoweverSlowTheDisk) {
   EXPECT_NE(contents(), before);
   ::usleep(100'000);
   exporting.interrupt();
-  EXPECT_EQ(exporting.wait().status, 130);
+  const Outcome outcome = exporting.wait();
+  EXPECT_EQ(outcome.status, 130);
+  EXPECT_EQ(outcome.err, "ldp export: interrupted: nothing was written\n");
   EXPECT_EQ(contents(), before);
+}
+
+TEST_F(Outputs, AnInterruptionAfterTheFirstResultDoesNotTellThatThereIsNone) {
+  const std::string from = capture();
+  const Running building({"build", from, "-o", path("a.ldp"), "--cameras", from + "/transforms.json", "--layers", "1",
+                          "--labels", "2", "--report", path("report.json")},
+                         room_, with_faults("fsync report * wait " + path("never")));
+  for (int i = 0; i < 6000 && !fs::exists(path("a.ldp")); ++i) ::usleep(5000);
+  ::usleep(100'000);
+  building.interrupt();
+  const Outcome outcome = building.wait();
+  EXPECT_EQ(outcome.status, 130);
+  EXPECT_EQ(outcome.err, "ldp build: interrupted: what was written before is whole\n");
+  EXPECT_EQ(ldp({"verify", path("a.ldp")}).status, 0);
+  EXPECT_FALSE(fs::exists(path("report.json")));
 }
 
 TEST_F(Outputs, ABuildGoesOnWithTheThreadsItHas) {

@@ -72,6 +72,7 @@ void Film::fail() const {
 
 void Film::keep() {
   if (ffmpeg_->wait() != 0 || machine_fault_in(ffmpeg_->first_line_said())) fail();
+  const Finishing finishing;
   move_file(partial_, file_);
   partial_.clear();
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "device/tool/session.h"
@@ -19,6 +20,8 @@ struct Registry {
   std::recursive_mutex mutex;  // a finishing thread may still register and forget
   std::vector<const WhenCutOff*> clean_ups;
   std::atomic<int> unhurried = 0;
+  std::string who;  // is interrupted; empty where nobody is to be told of it
+  bool written = false;
 };
 
 Registry& registry() {
@@ -38,6 +41,24 @@ timespec timespec_of(std::chrono::milliseconds time) {
 }
 
 }  // namespace
+
+void say_when_interrupted(const std::string& who) {
+  const std::lock_guard lock(registry().mutex);
+  registry().who = who;
+}
+
+std::string take_interrupted_line() {
+  Registry& all = registry();
+  const std::lock_guard lock(all.mutex);
+  const std::string who = std::exchange(all.who, {});
+  if (who.empty()) return {};
+  return who + ": interrupted: " + (all.written ? "what was written before is whole" : "nothing was written") + "\n";
+}
+
+void note_written() {
+  const std::lock_guard lock(registry().mutex);
+  registry().written = true;
+}
 
 void cut_off(int status, const std::string& line) {
   // The lock is kept: nobody may register or write anything from here on.
@@ -72,10 +93,14 @@ void Interrupt::wait(const std::stop_token& over) {
   // A second Ctrl-C is the end of patience; the destructor's, of everything.
   while (::sigtimedwait(&set, nullptr, &patience) < 0 && registry().unhurried > 0) {
   }
-  if (!over.stop_requested()) cut_off(kInterrupted, {});
+  const std::lock_guard lock(registry().mutex);  // no result takes its name between what is told and the end
+  if (!over.stop_requested()) cut_off(kInterrupted, take_interrupted_line());
 }
 
-Finishing::Finishing() { registry().mutex.lock(); }
+Finishing::Finishing() {
+  registry().mutex.lock();
+  note_written();
+}
 Finishing::~Finishing() { registry().mutex.unlock(); }
 
 WhenCutOff::WhenCutOff(std::function<void()> clean_up) : clean_up_(std::move(clean_up)) {
@@ -97,7 +122,10 @@ Temporary::Temporary(std::filesystem::path path)
         for (int attempt = 0; attempt < 3; ++attempt) std::filesystem::remove_all(path, ignored);
       }) {}
 
-Unhurried::Unhurried() { ++registry().unhurried; }
+Unhurried::Unhurried() {
+  note_written();
+  ++registry().unhurried;
+}
 Unhurried::~Unhurried() { --registry().unhurried; }
 
 }  // namespace ldp

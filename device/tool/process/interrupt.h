@@ -2,7 +2,7 @@
 //
 // SIGINT, SIGTERM and SIGHUP are waited for on a thread of their own. Work that does not stop within kPatience is cut
 // off: temporary files and folders registered here are removed first, so that nothing partial stays behind. A second
-// signal cuts off at once.
+// signal cuts off at once. Standard error is told in one line whether any result is there.
 #pragma once
 
 #include <chrono>
@@ -33,6 +33,15 @@ class Interrupt {
   std::jthread waiter_;
 };
 
+// From now on an interruption is told: "ldp build", in a line that begins so.
+void say_when_interrupted(const std::string& who);
+
+// That line, with its end, for whoever is first to write it; empty for all others.
+std::string take_interrupted_line();
+
+// A result is about to be there: it is no longer told that nothing was written.
+void note_written();
+
 // Does what is registered here and ends the program, from any thread, whatever else runs; `line` goes to standard
 // error.
 [[noreturn]] void cut_off(int status, const std::string& line);
@@ -59,7 +68,8 @@ class Temporary {
   WhenCutOff removal_;
 };
 
-// While one is alive the first signal asks only: work that stores what it has takes the time that takes.
+// While one is alive the first signal asks only: work that stores what it has, piece by piece, takes the time that
+// takes.
 class Unhurried {
  public:
   Unhurried();
