@@ -168,8 +168,23 @@ TEST_F(Outputs, WhatExportsAndScenesCameToIsToldInJsonToo) {
   const std::string file = small_panorama();
   const nlohmann::json exported = json_of({"export", file, "-o", path("a.jpg")});
   EXPECT_EQ(exported, (nlohmann::json{{"file", path("a.jpg")}, {"bytes", fs::file_size(path("a.jpg"))}}));
-  EXPECT_EQ(json_of({"scene", "room", "-o", path("room"), "--size", "64x48", "--frames", "2", "--no-novel"}),
-            (nlohmann::json{{"capture", path("room")}, {"scene", "room"}, {"frames", 2}}));
+  const auto scene = [&](const std::string& to, std::vector<std::string> more) {
+    more.insert(more.begin(), {"scene", "room", "-o", to, "--size", "64x48", "--frames", "2"});
+    nlohmann::json told = json_of(more);
+    for (const char* const key : {"cameras", "depths", "novel_views"})
+      if (!told.at(key).is_null()) {
+        EXPECT_TRUE(fs::exists(told[key].get<std::string>())) << told[key];
+      }
+    return told;
+  };
+  const nlohmann::json told{{"capture", path("room")},
+                            {"scene", "room"},
+                            {"frames", 2},
+                            {"cameras", path("room/transforms.json")},
+                            {"depths", path("room/frames_depth")},
+                            {"novel_views", nullptr}};
+  EXPECT_EQ(scene(path("room"), {"--no-novel"}), told);
+  EXPECT_EQ(scene(path("more"), {}).at("novel_views"), path("more/novel.json"));
   const Outcome on_a_terminal =
       Running({"scene", "room", "-o", path("again"), "--size", "64x48", "--frames", "2", "--no-novel", "--json"}, room_,
               {"bash", "-c", "script -qec \"$(printf '%q ' \"$0\" \"$@\")\" /dev/null < /dev/null"})

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -41,6 +42,24 @@ int list_scenes(bool json) {
   return kDone;
 }
 
+void print_summary(const SceneCommand& command, bool as_json) {
+  const SceneCaptureOptions& scene = command.scene;
+  if (!as_json) {
+    std::printf("%s: %d photos of %s with cameras and depths%s\n", printable(command.output).c_str(), scene.path.frames,
+                scene.scene.c_str(), scene.novel_views ? ", and novel views" : "");
+    return;
+  }
+  const std::filesystem::path folder = command.output;
+  nlohmann::ordered_json json{{"capture", command.output},
+                              {"scene", scene.scene},
+                              {"frames", scene.path.frames},
+                              {"cameras", (folder / "transforms.json").string()},
+                              {"depths", (folder / "frames_depth").string()},
+                              {"novel_views", nullptr}};
+  if (scene.novel_views) json["novel_views"] = (folder / "novel.json").string();
+  std::printf("%s\n", json_text(json).c_str());
+}
+
 int run(SceneCommand command, const Session& session) {
   if (command.list) return list_scenes(session.json);
   if (command.scene.scene.empty()) throw BadInput("no scene is named: give one of those that --list shows");
@@ -65,15 +84,7 @@ int run(SceneCommand command, const Session& session) {
   folder.fill([&] { write_scene_capture(command.scene, folder.path(), start_job(session, *bar)); });
   folder.keep();
   bar.reset();
-  if (session.json) {
-    const nlohmann::ordered_json json{
-        {"capture", command.output}, {"scene", command.scene.scene}, {"frames", command.scene.path.frames}};
-    std::printf("%s\n", json_text(json).c_str());
-  } else {
-    std::printf("%s: %d photos of %s with cameras and depths%s\n", printable(command.output).c_str(),
-                command.scene.path.frames, command.scene.scene.c_str(),
-                command.scene.novel_views ? ", and novel views" : "");
-  }
+  print_summary(command, session.json);
   return kDone;
 }
 
