@@ -21,10 +21,10 @@ void check_script_button(const Url& url);
 void check_keyboard_button(const Url& url);
 
 // folder:DIR?fps=30&hold=yes&lost_after=N&stall_after=N
-// The .jpg, .jpeg and .png files of DIR in name order, one per tick of a real clock; the last one is repeated for ever
-// (hold=yes, an arm at rest) or followed by CameraLost (hold=no). JPEG files pass through byte by byte.
-// Faults: lost_after=N throws CameraLost instead of frame N (counted from 0); stall_after=N gives nothing from frame N
-// on.
+// The photos of DIR that a build would take, in its order (core/captures/folder_frames.h), one per tick of a real
+// clock; the last one is repeated for ever (hold=yes, an arm at rest) or followed by CameraLost (hold=no). JPEG files
+// pass through byte by byte. Faults: lost_after=N throws CameraLost instead of frame N (counted from 0); stall_after=N
+// gives nothing from frame N on.
 std::unique_ptr<CameraDevice> open_folder_camera(const Url& url);
 
 // scene:NAME?frames=20&arc=180&width=800&height=600&noise=0&seed=1 and the options above: a sweep through a synthetic

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "core/base/files.h"
+#include "core/captures/folder_frames.h"
 #include "core/photos/images.h"
 #include "sim/devices.h"
 #include "sim/playback_camera.h"
@@ -10,23 +11,11 @@
 namespace ldp {
 namespace {
 
-bool ends_like(const std::filesystem::path& file, std::initializer_list<const char*> endings) {
+bool is_png(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
-  return std::any_of(endings.begin(), endings.end(), [&](const char* ending) { return extension == ending; });
-}
-
-std::vector<std::filesystem::path> pictures_in(const std::string& folder) {
-  std::error_code error;
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (ends_like(entry.path(), {".jpg", ".jpeg", ".png"})) files.push_back(entry.path());
-  }
-  if (error) throw std::runtime_error("cannot read the folder '" + folder + "' as a camera: " + error.message());
-  if (files.empty()) throw std::runtime_error("no .jpg or .png file in '" + folder + "' to show as camera frames");
-  std::sort(files.begin(), files.end());
-  return files;
+  return extension == ".png";
 }
 
 CameraFrame frame_from(const std::filesystem::path& file) {
@@ -34,7 +23,7 @@ CameraFrame frame_from(const std::filesystem::path& file) {
   const ImageSize size = read_image_size(file);
   frame.width = size.width;
   frame.height = size.height;
-  if (ends_like(file, {".png"})) {
+  if (is_png(file)) {
     auto image = std::make_shared<const RgbImage>(read_image(file));
     frame.format = PixelFormat::rgb24;
     frame.planes = {{&image->samples.data()->r, image->samples.size() * sizeof(Rgb), image->width * 3}};
@@ -57,15 +46,18 @@ void check_folder_camera(const Url& url) {
 
 std::unique_ptr<CameraDevice> open_folder_camera(const Url& url) {
   check_folder_camera(url);
-  auto files = pictures_in(url.path());
-  const ImageSize size = read_image_size(files.front());
+  auto files = photos_of_capture(url.path());
+  const std::filesystem::path first = files.front().path;
+  const ImageSize size = read_image_size(first);
   Playback playback;
   playback.name = url.text();
-  playback.format = ends_like(files.front(), {".png"}) ? PixelFormat::rgb24 : PixelFormat::mjpeg;
+  playback.format = is_png(first) ? PixelFormat::rgb24 : PixelFormat::mjpeg;
   playback.width = size.width;
   playback.height = size.height;
   playback.count = static_cast<int64_t>(files.size());
-  playback.frame = [files = std::move(files)](int64_t index) { return frame_from(files[static_cast<size_t>(index)]); };
+  playback.frame = [files = std::move(files)](int64_t index) {
+    return frame_from(files[static_cast<size_t>(index)].path);
+  };
   return std::make_unique<PlaybackCamera>(PlaybackCamera::timing_from(url), std::move(playback));
 }
 

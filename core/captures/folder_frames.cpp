@@ -171,11 +171,17 @@ std::vector<fs::path> list_photos(const fs::path& folder) {
 }
 
 std::vector<PhotoFile> photos_of_capture(const fs::path& folder) {
-  if (!fs::exists(folder)) throw std::runtime_error(folder.string() + ": there is no such folder: check the name");
-  if (!fs::is_directory(folder))
+  std::error_code error;
+  const fs::file_status status = fs::status(folder, error);
+  if (status.type() == fs::file_type::not_found)
+    throw std::runtime_error(folder.string() + ": there is no such folder: check the name");
+  if (!fs::status_known(status))
+    throw std::runtime_error(folder.string() + ": cannot be looked at (" + error.message() +
+                             "): check its name and permissions");
+  if (!fs::is_directory(status))
     throw std::runtime_error(folder.string() + ": is not a folder: give a folder of photos");
   std::vector<fs::path> files = list_photos(folder);
-  const bool has_frames = fs::is_directory(folder / "frames");
+  const bool has_frames = fs::is_directory(folder / "frames", error);
   if (files.empty() && has_frames) files = list_photos(folder / "frames");
   if (!files.empty()) {
     std::vector<PhotoFile> photos;

@@ -120,19 +120,29 @@ std::string capture_json(const CaptureRecord& record) {
   return json_text(json, 1) + "\n";
 }
 
-void CaptureStore::prepare() const {
+std::vector<fs::path> CaptureStore::prepare() const {
   std::error_code error;
+  std::vector<fs::path> made;
+  for (fs::path missing = fs::absolute(output_); !fs::exists(missing, error); missing = missing.parent_path())
+    made.push_back(missing);
   fs::create_directories(output_, error);
   const std::string advice = " (choose a folder that you may write to)";
   if (error) throw_errno("cannot make the folder " + output_.string() + advice, error.value());
   if (::access(output_.c_str(), W_OK) != 0) throw_errno("cannot write into " + output_.string() + advice);
-  if (flush_folder(output_)) return;
-  log_warning("the file system of " + output_.string() +
-              " cannot flush folders: a power cut may take back what was stored in the last seconds");
+  if (!flush_folder(output_))
+    log_warning("the file system of " + output_.string() +
+                " cannot flush folders: a power cut may take back what was stored in the last seconds");
+  return made;
+}
+
+void CaptureStore::give_up(const std::vector<fs::path>& made) const {
+  std::error_code error;
+  if (!made.empty()) fs::remove(lock_file(), error);
+  for (const fs::path& folder : made) fs::remove(folder, error);  // none that holds anything
 }
 
 UniqueFd CaptureStore::lock() const {
-  const fs::path file = output_ / ".lock";
+  const fs::path file = lock_file();
   UniqueFd fd(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
   if (!fd.is_open()) throw_errno("cannot open " + file.string());
   for (int attempt = 1; ::flock(fd.get(), LOCK_EX | LOCK_NB) != 0; ++attempt) {

@@ -65,12 +65,16 @@ class CaptureStore {
  public:
   explicit CaptureStore(std::filesystem::path output) : output_(std::move(output)) {}
 
-  void prepare() const;  // makes the folder where it is missing, warns where folders cannot be flushed;
-                         // throws std::system_error if it cannot be written
+  // Makes the folder where it is missing, warns where folders cannot be flushed; throws std::system_error if it cannot
+  // be written. Gives the folders that it made, innermost first.
+  std::vector<std::filesystem::path> prepare() const;
 
   // Held as long as the descriptor is open; the kernel lets go of it with the process, however that ends. Throws
   // std::runtime_error if another process holds it.
   [[nodiscard]] UniqueFd lock() const;
+
+  // Of a store that nothing has come into: the folders that were made for it go again.
+  void give_up(const std::vector<std::filesystem::path>& made) const;
 
   // Removes what an interrupted run left behind: temporary files, unfinished builds. Gives the captures in order.
   std::vector<CaptureState> recover() const;
@@ -95,6 +99,8 @@ class CaptureStore {
 
  private:
   uint64_t usual_sweep_bytes() const;
+
+  std::filesystem::path lock_file() const { return output_ / ".lock"; }
 
   std::filesystem::path output_;
 };

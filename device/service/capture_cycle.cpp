@@ -43,7 +43,7 @@ CaptureCycle::CaptureCycle(const Config& config, Run run, ServiceNotice& notice,
       announcer_(config_.status),
       folders_(config_, store_, run_ == Run::capture_only),
       builds_(config_, store_) {
-  store_.prepare();
+  made_ = store_.prepare();
   if (run_ != Run::capture_only) lock_ = store_.lock();
   if (run_ == Run::service) builds_.add_unfinished();
 }
@@ -55,6 +55,8 @@ std::unique_ptr<CameraDevice> CaptureCycle::ready_camera() {
   if (!camera->prepare(give_up) || give_up()) return nullptr;
   return camera;
 }
+
+void CaptureCycle::give_up() { store_.give_up(made_); }
 
 bool CaptureCycle::open_camera_ahead() {
   camera_ = ready_camera();

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "device/capture/capture_store.h"
 #include "device/capture/frame_writer.h"
@@ -41,6 +43,7 @@ class CaptureCycle {
 
   // Of a single sweep; throws std::runtime_error. False: the end was asked for meanwhile.
   bool open_camera_ahead();
+  void give_up();  // before anything began: no folder that it made is left
 
   // What the loop asks.
   Watches watches(const std::function<void(Command)>& obey);
@@ -100,7 +103,8 @@ class CaptureCycle {
   ServiceNotice& notice_;
   EndRequest& end_request_;
   CaptureStore store_;
-  UniqueFd lock_;  // on the store; let go after the builds have ended
+  std::vector<std::filesystem::path> made_;  // for the store
+  UniqueFd lock_;                            // on the store; let go after the builds have ended
   FrameWriter writer_;
   Announcer announcer_;
   std::unique_ptr<CameraDevice> camera_;  // opened ahead of a single sweep

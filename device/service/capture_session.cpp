@@ -32,6 +32,7 @@ void CaptureSession::open_devices() {
     button_.close();
     if (cycle_.open_camera_ahead()) button_.open();
   } catch (const std::runtime_error& error) {
+    cycle_.give_up();
     throw UnusableDevice(error.what());
   }
 }

@@ -226,6 +226,20 @@ TEST_F(LdpdTest, AMissingDeviceOfASingleRunIsNamed) {
   EXPECT_THAT(run.said, HasSubstr("nowhere"));
 }
 
+TEST_F(LdpdTest, ASingleRunWithoutItsCameraLeavesNoFolderThatItMade) {
+  fs::create_directory(room_ / "bare");
+  fs::create_directory(room_ / "there");
+  const std::string nested = (room_ / "new" / "out").string(), there = (room_ / "there").string();
+  for (const std::string& camera : {"v4l2:" + (room_ / "nowhere").string(), "folder:" + (room_ / "bare").string()})
+    for (const std::string& output : {nested, there}) {
+      std::vector<std::string> words = command({"--once"});
+      words[4] = camera, words[8] = output;
+      EXPECT_EQ(Process(words, room_ / "said").wait().status, 1) << camera;
+      EXPECT_FALSE(fs::exists(room_ / "new")) << camera;
+      EXPECT_TRUE(fs::exists(there)) << "which it did not make";
+    }
+}
+
 TEST_F(LdpdTest, AFullDiskRefusesTheSweepInSweepsLeft) {
   configure("reserve_mib = 1000000\n");
   const Finished run = run_once();

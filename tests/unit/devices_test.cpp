@@ -267,10 +267,25 @@ TEST(FolderCamera, ItCanBeUnplugged) {
   EXPECT_THROW(camera->read(), CameraLost);
 }
 
+TEST(FolderCamera, ShowsThePhotosThatABuildWouldTake) {
+  const PictureFolder folder;
+  const std::filesystem::path capture = folder.text(), frames = capture / "frames";
+  std::vector<std::filesystem::path> photos;
+  for (const auto& entry : std::filesystem::directory_iterator(capture)) photos.push_back(entry.path());
+  std::filesystem::create_directory(frames);
+  for (const auto& photo : photos) std::filesystem::rename(photo, frames / photo.filename());
+  EXPECT_EQ(open_folder_camera(Url("folder:" + folder.text()))->mode().width, 40);
+}
+
 TEST(FolderCamera, AnEmptyOrMissingFolderIsRefusedInWords) {
   const Folder folder;
   EXPECT_THAT(complaint([&] { open_folder_camera(Url("folder:" + folder.text())); }), HasSubstr("no .jpg or .png"));
-  EXPECT_THAT(complaint([] { open_folder_camera(Url("folder:/nowhere")); }), HasSubstr("/nowhere"));
+  EXPECT_EQ(complaint([] { open_folder_camera(Url("folder:/nowhere")); }),
+            "/nowhere: there is no such folder: check the name");
+  const std::filesystem::path loop = folder / "loop";
+  std::filesystem::create_symlink(loop, loop);
+  EXPECT_THAT(complaint([&] { open_folder_camera(Url("folder:" + loop.string())); }),
+              HasSubstr("loop: cannot be looked at ("));
 }
 
 TEST(SceneCamera, AnUnknownSceneIsNamedWithTheKnownOnes) {
