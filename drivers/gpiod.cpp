@@ -128,7 +128,8 @@ class GpioLine {
  private:
   static gpiod_line* by_name(const LineSpec& spec) {
     gpiod_line* const line = gpiod_line_find(spec.name.c_str());
-    if (line == nullptr) refuse(spec, "no GPIO line of that name (gpioinfo lists them)", ENOENT);
+    if (line == nullptr)
+      throw AdvisedError("'" + spec.url + "': no GPIO line of that name", ENOENT, "gpioinfo lists them");
     return line;
   }
 
@@ -222,7 +223,7 @@ class GpioLine {
       }
       gpiod_chip_close(chip);
     }
-    refuse(spec, "no GPIO line of that name (gpioinfo lists them)", ENOENT);
+    throw AdvisedError("'" + spec.url + "': no GPIO line of that name", ENOENT, "gpioinfo lists them");
   }
 
   static void fill(gpiod_line_settings& settings, const LineSpec& spec) {

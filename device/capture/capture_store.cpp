@@ -126,9 +126,9 @@ std::vector<fs::path> CaptureStore::prepare() const {
   for (fs::path missing = fs::absolute(output_); !fs::exists(missing, error); missing = missing.parent_path())
     made.push_back(missing);
   fs::create_directories(output_, error);
-  const std::string advice = " (choose a folder that you may write to)";
-  if (error) throw_errno("cannot make the folder " + output_.string() + advice, error.value());
-  if (::access(output_.c_str(), W_OK) != 0) throw_errno("cannot write into " + output_.string() + advice);
+  const std::string advice = "choose another folder to write to";
+  if (error) throw AdvisedError("cannot make the folder " + output_.string(), error.value(), advice);
+  if (::access(output_.c_str(), W_OK) != 0) throw AdvisedError("cannot write into " + output_.string(), errno, advice);
   if (!flush_folder(output_))
     log_warning("the file system of " + output_.string() +
                 " cannot flush folders: a power cut may take back what was stored in the last seconds");

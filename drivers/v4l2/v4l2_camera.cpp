@@ -29,10 +29,10 @@ constexpr uint32_t kBuffers = 6;  // one being filled, some waiting, two held as
 constexpr int kErrorsInARow = 5;  // of DQBUF before the camera counts as broken
 
 [[noreturn]] void cannot_open(const std::string& path, int error) {
-  std::string remedy;
-  if (error == ENOENT) remedy = " ('ls /dev/video*' lists those connected)";
-  if (error == EACCES) remedy = " (join its group, mostly 'video')";
-  throw_errno("cannot open the camera '" + path + "'" + remedy, error);
+  const std::string attempted = "cannot open the camera '" + path + "'";
+  if (error == ENOENT) throw AdvisedError(attempted, error, "'ls /dev/video*' lists those connected");
+  if (error == EACCES) throw AdvisedError(attempted, error, "join its group, mostly 'video'");
+  throw_errno(attempted, error);
 }
 
 class V4l2Camera final : public CameraDevice {

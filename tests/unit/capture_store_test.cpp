@@ -148,8 +148,8 @@ TEST_F(CaptureStoreTest, AFolderThatCannotBeMadeIsNamedWithWhatToDo) {
       CaptureStore(folder).prepare();
       FAIL() << folder;
     } catch (const std::system_error& error) {
-      EXPECT_THAT(error.what(), HasSubstr("cannot make the folder " + folder.string() +
-                                          " (choose a folder that you may write to): "));
+      EXPECT_EQ(error.what(), "cannot make the folder " + folder.string() + ": " + error.code().message() +
+                                  ": choose another folder to write to");
     }
   }
 }

@@ -306,7 +306,15 @@ TEST_F(V4l2, WhatIsNoCameraIsRefused) {
   EXPECT_THAT(refusal(), HasSubstr("cannot stream into mapped memory"));
   device.capabilities = V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_STREAMING;
   EXPECT_THAT(refusal(), HasSubstr("does not capture video; try another /dev/video number"));
-  EXPECT_THROW(open_v4l2_camera(Url("v4l2:/nowhere/video0")), std::system_error);
+  try {
+    open_v4l2_camera(Url("v4l2:/nowhere/video0"));
+    FAIL();
+  } catch (const std::system_error& error) {
+    EXPECT_EQ(error.code(), std::errc::no_such_file_or_directory);
+    EXPECT_STREQ(error.what(),
+                 "cannot open the camera '/nowhere/video0': No such file or directory: 'ls /dev/video*' lists those "
+                 "connected");
+  }
 }
 
 TEST_F(V4l2, EveryCallThatFailsIsTold) {
