@@ -80,6 +80,19 @@ TEST_F(Outputs, InfoTellsHowColoursAreCoded) {
   told("blocks_alpha_wraps.ldp", "webp", ", soft edges, colours in WebP\n");
 }
 
+TEST_F(Outputs, InfoTellsARadiusThatIsAssumed) {
+  LayeredPanorama panorama = decode_ldp(read_file(LDP_SOURCE "/tests/golden/tiny.ldp"));
+  for (const bool parallax : {true, false}) {
+    if (!parallax) panorama.grid.w_near = panorama.grid.w_far = 0;
+    write_file(path("a.ldp"), encode_ldp(panorama, {}));
+    EXPECT_EQ(nlohmann::json::parse(ldp({"info", path("a.ldp"), "--json"}).out)["arc"]["radius_assumed"], !parallax);
+    EXPECT_THAT(ldp({"info", path("a.ldp")}).out,
+                HasSubstr(parallax ? "radius 0.65, "
+                                   : "radius 0.65 (assumed, or given with the cameras: the photos "
+                                     "show no parallax), "));
+  }
+}
+
 TEST_F(Outputs, NamesThatAreNoUtf8AreReportedAndStored) {
   const std::string odd = path("caf\xe9"), report = path("report.json"), cameras = path("cameras.json");
   fs::rename(capture(), odd);

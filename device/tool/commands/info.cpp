@@ -47,11 +47,16 @@ Json grid_json(const PanoramaGrid& grid) {
   return json;
 }
 
-Json arc_json(const Arc& arc) {
+// Where nothing is nearer than infinity no photo told it from any other.
+bool radius_is_assumed(const PanoramaGrid& grid) { return grid.w_near == 0 && grid.arc.radius > 0; }
+
+Json arc_json(const PanoramaGrid& grid) {
+  const Arc& arc = grid.arc;
   Json json;
   json["centre"] = vector_json(arc.centre);
   json["axis"] = vector_json(arc.axis());
   json["radius"] = arc.radius;
+  json["radius_assumed"] = radius_is_assumed(grid);
   json["covered_degrees"] = (arc.theta_end - arc.theta_begin) * kDegreesPerRadian;
   json["closed"] = arc.closed;
   return json;
@@ -130,7 +135,7 @@ Json info_json(const LdpReader& reader) {
   json["version"] = description.version;
   json["bytes"] = description.file_bytes;
   json["grid"] = grid_json(panorama.grid);
-  json["arc"] = arc_json(panorama.grid.arc);
+  json["arc"] = arc_json(panorama.grid);
   json["limits"] = {{"inner_radius", panorama.limits.inner_radius},
                     {"outer_radius", panorama.limits.outer_radius},
                     {"height", panorama.limits.height}};
@@ -200,7 +205,8 @@ void print_text(const std::string& file, const LdpReader& reader) {
               grid.rays == Rays::pushbroom ? "pushbroom" : "central", grid.width * grid.theta_pitch * kDegreesPerRadian,
               grid.wraps ? ", closed" : "");
   std::printf("depths    %s to %s\n", depth_text(grid.w_near).c_str(), depth_text(grid.w_far).c_str());
-  std::printf("arc       radius %.4g, %.1f degrees, %zu cameras\n", grid.arc.radius,
+  std::printf("arc       radius %.4g%s, %.1f degrees, %zu cameras\n", grid.arc.radius,
+              radius_is_assumed(grid) ? " (assumed, or given with the cameras: the photos show no parallax)" : "",
               (grid.arc.theta_end - grid.arc.theta_begin) * kDegreesPerRadian, panorama.cameras.size());
   std::printf("views     from %.3g to %.3g of the axis, %.3g up and down\n", panorama.limits.inner_radius,
               panorama.limits.outer_radius, panorama.limits.height);
