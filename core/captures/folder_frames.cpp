@@ -27,6 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int64_t kEnoughPixels = 4'000'000;  // that any photo is decoded to, where no more are asked for
+
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 fs::directory_iterator entries_of(const fs::path& folder) {
@@ -91,6 +93,31 @@ ImageSize one_size_of(const std::vector<PhotoFile>& files, const std::string& sh
                              " and " + name_of(file) + " " + text_of(size) + ": keep only the photos of one sweep");
   }
   return first;
+}
+
+std::string list_of(const std::vector<std::string>& names) {
+  constexpr size_t kMostNames = 3;
+  std::string list = names.front();
+  for (size_t i = 1; i < std::min(names.size(), kMostNames); ++i)
+    list += (i + 1 == names.size() ? " and " : ", ") + names[i];
+  return names.size() > kMostNames ? list + " and " + std::to_string(names.size() - kMostNames) + " more" : list;
+}
+
+// Who copies one again, or leaves it out, would meet the next in another run. `met` is what was said of the first.
+[[noreturn]] void refuse_all_damaged(const std::vector<PhotoFile>& files, const std::string& shown,
+                                     const DamagedImage& met) {
+  std::vector<std::string> damaged;
+  for (const PhotoFile& file : files) {
+    try {
+      read_photo(file.path, kEnoughPixels, file.called);
+    } catch (const DamagedImage&) {
+      damaged.push_back(name_of(file));
+    } catch (const std::runtime_error&) {  // of another kind: told when those are mended
+    }
+  }
+  if (damaged.size() < 2) throw DamagedImage(met);
+  throw DamagedImage(shown + ": " + std::to_string(damaged.size()) + " of " + std::to_string(files.size()) +
+                     " photos are damaged (" + list_of(damaged) + "): copy them again, or leave them out");
 }
 
 ImageSize shrunk(ImageSize stored, int64_t max_pixels) {
@@ -197,20 +224,32 @@ FolderFrames::FolderFrames(const fs::path& folder, const FolderFramesOptions& op
     : FolderFrames(photos_of_capture(folder), folder.string(), options) {}
 
 FolderFrames::FolderFrames(std::vector<PhotoFile> files, const std::string& shown, const FolderFramesOptions& options)
-    : files_(std::move(files)), orientation_(options.orientation) {
+    : files_(std::move(files)), shown_(shown), orientation_(options.orientation) {
   if (options.max_pixels < 1024) throw std::logic_error("FolderFrames: max_pixels must be at least 1024");
   if (files_.empty()) throw std::logic_error("FolderFrames: no files");
-  stored_ = upright(one_size_of(files_, shown), orientation_);
+  try {
+    stored_ = upright(one_size_of(files_, shown_), orientation_);
+  } catch (const DamagedImage& met) {
+    refuse_all_damaged(files_, shown_, met);
+  }
   working_ = shrunk(stored_, options.max_pixels);
 }
 
 std::string FolderFrames::name(int index) const { return name_of(files_.at(static_cast<size_t>(index))); }
 
+// Decoding at a whole fraction of the size saves memory; the rest of the way is averaged.
+Photo FolderFrames::read(const PhotoFile& file) const {
+  const int64_t enough = std::max<int64_t>(int64_t{4} * working_.width * working_.height, kEnoughPixels);
+  try {
+    return read_photo(file.path, working_ == stored_ ? kMaxImagePixels : enough, file.called);
+  } catch (const DamagedImage& met) {
+    refuse_all_damaged(files_, shown_, met);
+  }
+}
+
 RgbImage FolderFrames::load(int index) const {
   const PhotoFile& file = files_.at(static_cast<size_t>(index));
-  // Decoding at a whole fraction of the size saves memory; the rest of the way is averaged.
-  const int64_t enough = std::max<int64_t>(int64_t{4} * working_.width * working_.height, 4'000'000);
-  Photo photo = read_photo(file.path, working_ == stored_ ? kMaxImagePixels : enough, file.called);
+  Photo photo = read(file);
   const ImageSize found = upright(photo.full_size, orientation_);
   if (found != stored_) {
     throw std::runtime_error(file.called + ": is " + text_of(found) + " by now and was " + text_of(stored_) +

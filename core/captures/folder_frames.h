@@ -3,8 +3,8 @@
 // Takes a folder of .jpg, .jpeg or .png photos of any names (upper or lower case), in name order with numbers by value;
 // when the folder itself holds none, its subfolder `frames`; or photos one by one, in the order given. Gives every
 // frame at one working size: photos larger than `max_pixels` are scaled down, so that memory is bounded by that and not
-// by the camera. Photos of several sizes, no photo at all, or an unreadable one are refused, naming the file. Nothing
-// is decoded before it is asked for.
+// by the camera. Photos of several sizes, no photo at all, or an unreadable one are refused, naming the file; once one
+// is found damaged all are decoded, and those damaged named together. Nothing is decoded before it is asked for.
 #pragma once
 
 #include <cstdint>
@@ -51,7 +51,10 @@ class FolderFrames : public FrameSource {
   std::vector<Camera> fit(const std::vector<Camera>& cameras) const;
 
  private:
+  Photo read(const PhotoFile& file) const;
+
   std::vector<PhotoFile> files_;
+  std::string shown_;
   ImageSize stored_, working_;
   int orientation_;
 };

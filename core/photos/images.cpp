@@ -10,7 +10,7 @@ namespace ldp {
 namespace {
 
 [[noreturn]] void refuse_content(const std::string& name) {
-  throw std::runtime_error(name + ": neither a JPEG nor a PNG nor a WebP file: copy it again, or leave it out");
+  throw DamagedImage(name + ": neither a JPEG nor a PNG nor a WebP file: copy it again, or leave it out");
 }
 
 ScaledImage decode(std::span<const uint8_t> bytes, const std::string& name, int64_t max_pixels) {
@@ -61,7 +61,7 @@ void refuse_too_large(ImageSize size, int64_t max_pixels, const std::string& nam
 }
 
 void refuse_damaged(const std::string& name, const std::string& format, const std::string& what) {
-  throw std::runtime_error(name + ": damaged " + format + " (" + what + "): copy it again, or leave it out");
+  throw DamagedImage(name + ": damaged " + format + " (" + what + "): copy it again, or leave it out");
 }
 
 RgbImage decode_image(std::span<const uint8_t> bytes, const std::string& name) {

@@ -2,14 +2,15 @@
 // place that includes those libraries.
 //
 // Errors: std::runtime_error naming the file and what is wrong with it. An image that ends early or is damaged is
-// an error, not a grey area in the picture. Limits are checked before anything is allocated. Transparency is
-// dropped, 16-bit samples are rounded to 8.
+// an error (DamagedImage), not a grey area in the picture. Limits are checked before anything is allocated.
+// Transparency is dropped, 16-bit samples are rounded to 8.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,10 @@ namespace ldp {
 
 constexpr int64_t kMaxImagePixels = int64_t{1} << 28;
 constexpr int kMaxImageSide = 1 << 16;
+
+struct DamagedImage : std::runtime_error {  // or no image at all
+  using std::runtime_error::runtime_error;
+};
 
 struct ImageSize {
   int width = 0, height = 0;

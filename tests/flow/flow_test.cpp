@@ -374,6 +374,10 @@ TEST_F(Flow, APhotoThatIsDamagedOrLeftOutIsNamedWithTheReason) {
   expect_refusal(words, 2,
                  "ldp build: " + path("room/frames/002.png") +
                      ": damaged PNG (the file ends too early): copy it again, or leave it out\n");
+  fs::resize_file(path("room/frames/001.png"), 2000);
+  expect_refusal(words, 2,
+                 "ldp build: " + path("room") +
+                     ": 2 of 5 photos are damaged (001.png and 002.png): copy them again, or leave them out\n");
 }
 
 TEST_F(Flow, AnOutputThatTheSystemRefusesIsToldWithWhatToDo) {

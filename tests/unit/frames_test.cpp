@@ -84,6 +84,23 @@ TEST_F(FolderFramesTest, NamesATruncatedPhoto) {
   EXPECT_THAT(refusal(), HasSubstr("b.jpg"));
 }
 
+TEST_F(FolderFramesTest, NamesAllDamagedPhotosAtOnce) {
+  for (const char* const name : {"a.jpg", "b.jpg", "c.png", "d.jpg", "e.jpg", "f.jpg"}) photo(name);
+  const auto cut = [&](const std::string& name) { fs::resize_file(folder_ / name, fs::file_size(folder_ / name) / 2); };
+  const auto told = [&](const std::string& count, const std::string& names) {
+    return folder_.string() + ": " + count + " of 6 photos are damaged (" + names +
+           "): copy them again, or leave them out";
+  };
+  cut("b.jpg");
+  EXPECT_THAT(refusal(), HasSubstr("b.jpg: damaged JPEG"));
+  cut("c.png");
+  EXPECT_EQ(refusal(), told("2", "b.jpg and c.png"));
+  text("e.jpg", "no image, which its first bytes tell before any is decoded");
+  EXPECT_EQ(refusal(), told("3", "b.jpg, c.png and e.jpg"));
+  for (const char* const name : {"d.jpg", "f.jpg"}) cut(name);
+  EXPECT_EQ(refusal(), told("5", "b.jpg, c.png, d.jpg and 2 more"));
+}
+
 TEST_F(FolderFramesTest, ScalesHugePhotosAndTheirCamerasToTheWorkingSize) {
   photo("a.jpg", 2000, 1000);
   const FolderFrames frames(folder_, {200 * 100});
