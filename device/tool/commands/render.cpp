@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "core/base/files.h"
@@ -165,6 +166,25 @@ int views_at_once(const RenderCommand& command, const std::vector<Camera>& camer
                     std::max(1, job.threads));
 }
 
+// Draws views, some at the same time, and uses them one after another, in the order of their cameras.
+template <typename Draw, typename Use>
+void for_each_view(const RenderCommand& command, const std::vector<Camera>& cameras, const Job& job, Draw draw,
+                   Use use) {
+  const int at_once = views_at_once(command, cameras, job), count = static_cast<int>(cameras.size());
+  Job of_one = job;
+  of_one.threads = std::max(1, job.threads / at_once);
+  of_one.progress = {};  // is told of views
+  for (int first = 0; first < count; first += at_once) {
+    job.report("rendering", first / static_cast<double>(count));
+    std::vector<std::invoke_result_t<Draw, const Camera&, const Job&>> drawn(
+        static_cast<size_t>(std::min(at_once, count - first)));
+    parallel_for(job, static_cast<int>(drawn.size()),
+                 [&](int i) { drawn[static_cast<size_t>(i)] = draw(cameras[static_cast<size_t>(first + i)], of_one); });
+    for (size_t i = 0; i < drawn.size(); ++i) use(cameras[static_cast<size_t>(first) + i], drawn[i]);
+  }
+  job.check();
+}
+
 // A view's files by their endings.
 struct Pictures {
   std::vector<uint8_t> png, pfm, exr;
@@ -184,26 +204,19 @@ Pictures draw_pictures(const RenderCommand& command, const Renderer& renderer, c
 Rendered render_pictures(const RenderCommand& command, const Renderer& renderer, const std::vector<Camera>& cameras,
                          const Job& job) {
   OutputFolder folder(command.output, OutputFolder::Existing::merge);
-  const int at_once = views_at_once(command, cameras, job), count = static_cast<int>(cameras.size());
-  Job of_one{.threads = std::max(1, job.threads / at_once), .stop = job.stop, .progress = {}, .remark = {}};
   Rendered totals;
-  for (int first = 0; first < count; first += at_once) {
-    job.report("rendering", first / static_cast<double>(count));
-    std::vector<Pictures> drawn(static_cast<size_t>(std::min(at_once, count - first)));
-    parallel_for(job, static_cast<int>(drawn.size()), [&](int i) {
-      drawn[static_cast<size_t>(i)] = draw_pictures(command, renderer, cameras[static_cast<size_t>(first + i)], of_one);
+  const auto draw = [&](const Camera& camera, const Job& of_one) {
+    return draw_pictures(command, renderer, camera, of_one);
+  };
+  for_each_view(command, cameras, job, draw, [&](const Camera& camera, const Pictures& pictures) {
+    const std::string stem = fs::path(camera.name).stem().string();
+    folder.fill([&] {
+      write_file(folder.path() / (stem + ".png"), pictures.png);
+      if (command.pfm) write_file(folder.path() / (stem + ".pfm"), pictures.pfm);
+      if (command.exr) write_file(folder.path() / (stem + ".exr"), pictures.exr);
     });
-    for (size_t i = 0; i < drawn.size(); ++i) {
-      const std::string stem = fs::path(cameras[static_cast<size_t>(first) + i].name).stem().string();
-      folder.fill([&] {
-        write_file(folder.path() / (stem + ".png"), drawn[i].png);
-        if (command.pfm) write_file(folder.path() / (stem + ".pfm"), drawn[i].pfm);
-        if (command.exr) write_file(folder.path() / (stem + ".exr"), drawn[i].exr);
-      });
-      add(drawn[i].totals, totals);
-    }
-  }
-  job.check();
+    add(pictures.totals, totals);
+  });
   folder.keep();
   return totals;
 }
@@ -212,13 +225,13 @@ Rendered render_film(const RenderCommand& command, const Renderer& renderer, con
                      const Job& job) {
   Film film(command.output, cameras.front().intrinsics.width, cameras.front().intrinsics.height);
   Rendered totals;
-  for (const Camera& camera : cameras) {
-    job.report("rendering", totals.views / static_cast<double>(cameras.size()));
-    const View view = renderer.render(camera, command.options, job);
+  const auto draw = [&](const Camera& camera, const Job& of_one) {
+    return renderer.render(camera, command.options, of_one);
+  };
+  for_each_view(command, cameras, job, draw, [&](const Camera&, const View& view) {
     film.add(view.colour);
     add(view, totals);
-  }
-  job.check();
+  });
   film.keep();
   return totals;
 }
