@@ -73,6 +73,13 @@ class Trend(unittest.TestCase):
     def test_few_captures_may_make_four_pages(self):
         self.assertTrue(soak.is_flat(leaking([LEVEL] * 100, 25)))
 
+    def test_few_captures_that_fall_in_every_block_and_come_back_are_flat(self):
+        teeth = [LEVEL + PAGE * (i % 6 == 0) for i in range(96)]
+        slope, error = soak.trend_of(teeth)
+        self.assertGreater(abs(slope), soak.T_QUANTILE * error)
+        self.assertTrue(soak.is_flat(teeth))
+        self.assertFalse(soak.is_flat(leaking(teeth, 2)))
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1] + sys.argv[2:])
