@@ -96,7 +96,7 @@ ImageSize one_size_of(const std::vector<PhotoFile>& files, const std::string& sh
 }
 
 std::string list_of(const std::vector<std::string>& names) {
-  constexpr size_t kMostNames = 3;
+  constexpr size_t kMostNames = 10;
   std::string list = names.front();
   for (size_t i = 1; i < std::min(names.size(), kMostNames); ++i)
     list += (i + 1 == names.size() ? " and " : ", ") + names[i];

@@ -31,6 +31,9 @@ void check_folder_takes_files(const fs::path& folder, const fs::path& shown) {
   std::error_code error;
   if (const fs::file_status status = fs::status(folder, error); !fs::status_known(status))
     throw BadInput(shown.string() + ": cannot be written (" + error.message() + "): choose a folder you may write to");
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error))
+    throw BadInput(shown.string() + ": cannot be written (" + folder.string() +
+                   " is a file): choose a name in a folder");
   if (!fs::is_directory(folder, error))
     throw BadInput(shown.string() + ": its folder does not exist: create " + folder.string() + " first");
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {

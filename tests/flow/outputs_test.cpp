@@ -128,6 +128,19 @@ TEST_F(Outputs, AFilmIsKnownByItsEndingInAnyCase) {
   }
 }
 
+TEST_F(Outputs, TheViewsOfAFilmAreOfOneSize) {
+  const std::string file = small_panorama();
+  std::vector<Camera> cameras = read_transforms(path("capture/transforms.json"));
+  cameras.resize(3);
+  cameras[2].intrinsics.width += 2;
+  const std::string text = transforms_json(cameras);
+  write_file(path("mixed.json"), std::vector<uint8_t>(text.begin(), text.end()));
+  expect_refusal({"render", file, "--cameras", path("mixed.json"), "-o", path("film.mp4")}, 2,
+                 "mixed.json: the views of a film are all of one size, here are 000.png of ",
+                 with_ffmpeg("cat > \"$film\""));
+  EXPECT_FALSE(fs::exists(path("film.mp4")));
+}
+
 TEST_F(Outputs, AFilmReplacesOnlyFilmsOfItsOwn) {
   const std::string file = small_panorama();
   const auto ffmpeg = with_ffmpeg("cat > /dev/null; printf '%100000s' \"$*\" > \"$film\"");
@@ -184,7 +197,7 @@ TEST_F(Outputs, WhatExportsAndScenesCameToIsToldInJsonToo) {
   const auto scene = [&](const std::string& to, std::vector<std::string> more) {
     more.insert(more.begin(), {"scene", "room", "-o", to, "--size", "64x48", "--frames", "2"});
     nlohmann::json told = json_of(more);
-    for (const char* const key : {"cameras", "depths", "novel_views"})
+    for (const char* const key : {"cameras", "depths", "novel_views", "around"})
       if (!told.at(key).is_null()) {
         EXPECT_TRUE(fs::exists(told[key].get<std::string>())) << told[key];
       }
@@ -195,8 +208,10 @@ TEST_F(Outputs, WhatExportsAndScenesCameToIsToldInJsonToo) {
                             {"frames", 2},
                             {"cameras", path("room/transforms.json")},
                             {"depths", path("room/frames_depth")},
-                            {"novel_views", nullptr}};
+                            {"novel_views", nullptr},
+                            {"around", nullptr}};
   EXPECT_EQ(scene(path("room"), {"--no-novel"}), told);
+  EXPECT_EQ(scene(path("round"), {"--no-novel", "--around", "64"}).at("around"), path("round/around"));
   EXPECT_EQ(scene(path("more"), {}).at("novel_views"), path("more/novel.json"));
   const Outcome on_a_terminal =
       Running({"scene", "room", "-o", path("again"), "--size", "64x48", "--frames", "2", "--no-novel", "--json"}, room_,

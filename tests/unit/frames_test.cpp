@@ -98,7 +98,11 @@ TEST_F(FolderFramesTest, NamesAllDamagedPhotosAtOnce) {
   text("e.jpg", "no image, which its first bytes tell before any is decoded");
   EXPECT_EQ(refusal(), told("3", "b.jpg, c.png and e.jpg"));
   for (const char* const name : {"d.jpg", "f.jpg"}) cut(name);
-  EXPECT_EQ(refusal(), told("5", "b.jpg, c.png, d.jpg and 2 more"));
+  EXPECT_EQ(refusal(), told("5", "b.jpg, c.png, d.jpg, e.jpg and f.jpg"));
+  for (int i = 10; i < 17; ++i) text("g" + std::to_string(i) + ".jpg", "none either");
+  EXPECT_THAT(refusal(),
+              HasSubstr(": 12 of 13 photos are damaged (b.jpg, c.png, d.jpg, e.jpg, f.jpg, g10.jpg, g11.jpg, "
+                        "g12.jpg, g13.jpg, g14.jpg and 2 more): copy"));
 }
 
 TEST_F(FolderFramesTest, ScalesHugePhotosAndTheirCamerasToTheWorkingSize) {

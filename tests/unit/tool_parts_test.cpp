@@ -112,6 +112,7 @@ TEST_F(ToolParts, NamesThatCannotBeWrittenAreRefusedBeforeTheWork) {
   EXPECT_THAT(refusal([&] { check_output_file(room_); }), HasSubstr("is a folder"));
   EXPECT_THAT(refusal([&] { check_output_file(room_ / "no" / "a.ldp"); }),
               AllOf(HasSubstr("its folder does not exist: create "), HasSubstr("no first")));
+  EXPECT_THAT(refusal([&] { check_output_file(fs::path(put("file", "x")) / "a.ldp"); }), HasSubstr("file is a file)"));
   EXPECT_EQ(refusal([] { check_output_file(fs::path("/dev/null")); }), "");
   EXPECT_THAT(refusal([&] { check_input_file(room_ / "nothing"); }), HasSubstr("there is no such file"));
   EXPECT_THAT(refusal([&] { check_input_file(room_); }), HasSubstr("is a folder: give the name of a file"));

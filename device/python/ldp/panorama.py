@@ -186,7 +186,9 @@ def open_bytes(content: bytes, *, max_pixels: int = 0, max_memory: int = 0) -> P
 def save(path: str | os.PathLike, like: Panorama, layers: Iterable[Layer | Planes | NewLayer], *, quality: int = 90,
          block_px: int = 16, metadata: Mapping[str, str] | None = None) -> None:
     """Writes an .ldp file of these layers, front to back, on the grid and with the cameras of `like`. quality: of colour, 1
-    to 100, 101 = lossless; depths become 4-bit codes in blocks of block_px pixels. The file appears whole or not at all."""
+    to 100, 101 = lossless; depths become 4-bit codes in blocks of block_px pixels (those of a file are coded anew, `ldp
+    build` takes blocks of 8). The verdict of `like` (quality) and its local exposure are of its own layers and are not
+    taken over. The file appears whole or not at all."""
     writer = _ldp.Writer(like._told)
     for layer in layers:
         writer.add_layer(layer.depth, layer.rgb, layer.alpha, block_px)

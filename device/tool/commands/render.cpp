@@ -257,6 +257,18 @@ void check_view(const RenderCommand& command, const Camera& camera) {
                "the view " + camera.name + " of " + std::to_string(k.width) + "x" + std::to_string(k.height));
 }
 
+void check_film(const RenderCommand& command, const std::vector<Camera>& cameras) {
+  const auto size = [](const Camera& camera) { return std::pair(camera.intrinsics.width, camera.intrinsics.height); };
+  const auto text = [](const Camera& camera) {
+    return camera.name + " of " + std::to_string(camera.intrinsics.width) + "x" +
+           std::to_string(camera.intrinsics.height);
+  };
+  for (const Camera& camera : cameras)
+    if (size(camera) != size(cameras.front()))
+      throw BadInput(command.cameras + ": the views of a film are all of one size, here are " + text(cameras.front()) +
+                     " and " + text(camera) + ": give a folder to -o, or cameras of one size");
+}
+
 bool is_far_off(const LayeredPanorama& panorama, const Camera& camera) {
   const Arc& arc = panorama.grid.arc;
   const Eigen::Vector3d in_arc = arc.world_from_arc.transpose() * (camera.pose.centre - arc.centre);
@@ -304,7 +316,9 @@ int run(RenderCommand command, const Session& session) {
   if (cameras.empty()) throw BadInput(command.cameras + ": has no frames: add the cameras to render");
   for (const Camera& camera : cameras) check_view(command, camera);
   check_stems(cameras, command.cameras);
-  if (!names_a_film(command.output)) {
+  if (names_a_film(command.output)) {
+    check_film(command, cameras);
+  } else {
     keep_photos(command, cameras);
     refuse_stale_depths(command, cameras);
     refuse_folder_of_photos(command);

@@ -55,7 +55,9 @@ void print_summary(const SceneCommand& command, bool as_json) {
                               {"frames", scene.path.frames},
                               {"cameras", (folder / "transforms.json").string()},
                               {"depths", (folder / "frames_depth").string()},
-                              {"novel_views", nullptr}};
+                              {"novel_views", nullptr},
+                              {"around", nullptr}};
+  if (scene.around.width > 0) json["around"] = (folder / "around").string();
   if (scene.novel_views) json["novel_views"] = (folder / "novel.json").string();
   std::printf("%s\n", json_text(json).c_str());
 }

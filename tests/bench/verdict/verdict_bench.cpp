@@ -12,7 +12,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -133,17 +135,31 @@ struct Arguments {
   std::vector<std::string> again;
 };
 
+constexpr char kUsage[] =
+    "usage: verdict_bench [--seeds FIRST-LAST] [--spoils all|clean,blur,...] [--threads N] | --again FILE... | "
+    "--capture FOLDER [--pixels N]";
+
 Arguments arguments_from(int argc, char** argv) {
   Arguments arguments;
-  for (int i = 1; i + 1 < argc; i += 2) {
+  for (int i = 1; i < argc; i += 2) {
     const std::string name = argv[i];
+    if (i + 1 == argc) throw std::runtime_error(kUsage);
     const char* value = argv[i + 1];
-    if (name == "--seeds") std::sscanf(value, "%u-%u", &arguments.first, &arguments.last);
-    if (name == "--spoils") arguments.spoils = value;
-    if (name == "--capture") arguments.capture = value;
-    if (name == "--pixels") arguments.pixels = std::atoll(value);
-    if (name == "--threads") arguments.threads = std::atoi(value);
-    if (name == "--again") arguments.again.assign(argv + i + 1, argv + argc);
+    if (name == "--again") {
+      arguments.again.assign(argv + i + 1, argv + argc);
+      break;
+    }
+    if (name == "--seeds" && std::sscanf(value, "%u-%u", &arguments.first, &arguments.last) == 2) continue;
+    if (name == "--spoils")
+      arguments.spoils = value;
+    else if (name == "--capture")
+      arguments.capture = value;
+    else if (name == "--pixels")
+      arguments.pixels = std::atoll(value);
+    else if (name == "--threads")
+      arguments.threads = std::atoi(value);
+    else
+      throw std::runtime_error(kUsage);
   }
   return arguments;
 }
@@ -164,7 +180,7 @@ std::vector<JudgedSweep> judge_all(const Arguments& arguments, const Job& job) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   const Arguments arguments = arguments_from(argc, argv);
   Job job;
   job.threads = arguments.threads;
@@ -175,4 +191,7 @@ int main(int argc, char** argv) {
   const std::vector<JudgedSweep> sweeps =
       arguments.again.empty() ? judge_all(arguments, job) : read_again(arguments.again);
   std::fputs(summary_of(sweeps).c_str(), stderr);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 2;
 }
