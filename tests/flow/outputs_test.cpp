@@ -93,6 +93,29 @@ TEST_F(Outputs, InfoTellsARadiusThatIsAssumed) {
   }
 }
 
+TEST_F(Outputs, ExportsOfDepthsTellWhereNoneWasSeen) {
+  LayeredPanorama panorama = decode_ldp(read_file(LDP_SOURCE "/tests/golden/tiny.ldp"));
+  const auto said = [&](std::vector<std::string> words) {
+    fs::remove(words.front());
+    words.insert(words.begin(), {"export", path("a.ldp"), "-o"});
+    const Outcome done = ldp(words);
+    EXPECT_EQ(done.status, 0) << done.err;
+    return done.err;
+  };
+  for (const bool parallax : {true, false}) {
+    if (!parallax) panorama.grid.w_near = panorama.grid.w_far = 0;
+    write_file(path("a.ldp"), encode_ldp(panorama, {}));
+    EXPECT_EQ(
+        said({path("a.ply")}),
+        (parallax ? "" : "ldp export: the photos show no parallax, all of it is at infinity: there are no points\n"));
+    EXPECT_EQ(
+        said({path("a.jpg"), "--kind", "depth"}),
+        (parallax ? ""
+                  : "ldp export: the photos show no parallax, all of it is at infinity: the depths tell nothing\n"));
+    EXPECT_EQ(said({path("b.jpg")}), "");
+  }
+}
+
 TEST_F(Outputs, NamesThatAreNoUtf8AreReportedAndStored) {
   const std::string odd = path("caf\xe9"), report = path("report.json"), cameras = path("cameras.json");
   fs::rename(capture(), odd);

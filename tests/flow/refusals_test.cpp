@@ -185,6 +185,8 @@ TEST_F(Outputs, OptionsWithoutEffectAreRefused) {
   EXPECT_EQ(far.status, 0);
   EXPECT_THAT(far.err, HasSubstr("ldp export: --at is far from where views hold, "));
   EXPECT_THAT(ldp(exported("d.jpg", {"--at", "0,0,1"})).err, HasSubstr("--at is far from where views hold, "));
+  EXPECT_THAT(ldp(exported("d.jpg", {"--kind", "stereo", "--eyes", "30"})).err,
+              HasSubstr("--eyes are far from where views hold, "));
 }
 
 TEST_F(Outputs, ThreePhotosAreTooFewToLeaveOneOut) {

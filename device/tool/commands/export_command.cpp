@@ -120,12 +120,22 @@ size_t write_exported(const ExportCommand& command, LayeredPanorama&& panorama, 
 }
 
 void warn_of_places_far_off(const ExportCommand& command, const ViewingLimits& limits) {
-  if (command.at.empty() || !limits.are_far_from(std::hypot(command.at[0], command.at[1]), command.at[2])) return;
-  std::fprintf(
-      stderr,
-      "ldp export: --at is far from where views hold, %.3g around the axis and %.3g up and down: the picture is "
-      "mostly invented\n",
-      limits.outer_radius, limits.height);
+  const bool placed = !command.at.empty(), stereo = command.kind == "stereo";
+  if (!placed && !stereo) return;
+  const double around = placed ? std::hypot(command.at[0], command.at[1]) : 0, up = placed ? command.at[2] : 0;
+  const bool place_is_far = limits.are_far_from(around, up);
+  if (!place_is_far && !(stereo && limits.are_far_from(around + command.viewer.eyes / 2, up))) return;
+  std::fprintf(stderr,
+               "ldp export: %s far from where views hold, %.3g around the axis and %.3g up and down: the picture is "
+               "mostly invented\n",
+               place_is_far ? "--at is" : "--eyes are", limits.outer_radius, limits.height);
+}
+
+void warn_of_no_depth(const ExportCommand& command, const PanoramaGrid& grid) {
+  const bool points = !is_seen(command) && !names_a_folder(command.output) && extension_of(command.output) == ".ply";
+  if (grid.w_near > 0 || (!points && command.kind != "depth")) return;
+  std::fprintf(stderr, "ldp export: the photos show no parallax, all of it is at infinity: %s\n",
+               points ? "there are no points" : "the depths tell nothing");
 }
 
 int run(const ExportCommand& command, const Session& session) {
@@ -138,9 +148,11 @@ int run(const ExportCommand& command, const Session& session) {
   const BytesBeside& beside = is_seen(command) ? kSeeing : kExporting;
   LayeredPanorama panorama = decode_panorama(command.input, mapped.bytes(), beside, job);
   const ViewingLimits limits = panorama.limits;
+  const PanoramaGrid grid = panorama.grid;
   const size_t bytes = write_exported(command, std::move(panorama), mapped, job);
   bar.reset();
   warn_of_places_far_off(command, limits);
+  warn_of_no_depth(command, grid);
   if (session.json)
     std::printf("%s\n", json_text(nlohmann::ordered_json{{"file", command.output}, {"bytes", bytes}}).c_str());
   else
