@@ -12,20 +12,6 @@
 namespace ldp {
 namespace {
 
-void check(const CameraPathOptions& options) {
-  const auto within = [](const char* field, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::runtime_error("camera path: " + std::string(field) + " is " + std::to_string(value) + "; must be " +
-                               std::to_string(low) + " to " + std::to_string(high));
-  };
-  within("frames", options.frames, 1, 100000);
-  within("width", options.width, 1, 1 << 14);
-  within("height", options.height, 1, 1 << 14);
-  within("view_rad", options.view_rad, 0, 3);
-  within("zoom", options.zoom, 1, 100);
-  within("reach", options.reach, 0, 1);
-}
-
 double middle_depth(const LayeredPanorama& panorama) {
   const double w = 0.35 * panorama.grid.w_near + 0.65 * panorama.grid.w_far;
   return w > 0 ? 1 / w : 1e6;
@@ -110,8 +96,24 @@ Camera dolly(const ViewingLimits& limits, const Stage& stage, double phase) {
 
 }  // namespace
 
+void check_camera_path(const CameraPathOptions& options) {
+  const auto within = [](const char* field, double value, int low, int high) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", value);
+    if (!(value >= low && value <= high))
+      throw std::runtime_error("camera path: " + std::string(field) + " is " + text + "; must be " +
+                               std::to_string(low) + " to " + std::to_string(high));
+  };
+  within("the number of frames", options.frames, 1, 100000);
+  within("width", options.width, 1, 1 << 14);
+  within("height", options.height, 1, 1 << 14);
+  within("the field of view in radians", options.view_rad, 0, 3);
+  within("zoom", options.zoom, 1, 100);
+  within("reach", options.reach, 0, 1);
+}
+
 std::vector<Camera> camera_path(const LayeredPanorama& panorama, const CameraPathOptions& options) {
-  check(options);
+  check_camera_path(options);
   const Stage stage = make_stage(panorama, options);
   std::vector<Camera> cameras;
   for (int i = 0; i < options.frames; ++i) {

@@ -28,6 +28,9 @@ struct CameraPathOptions {
   double zoom = 1, reach = 1, turn_rad = 0, rise = 0;
 };
 
+// Throws std::runtime_error naming what is out of its range.
+void check_camera_path(const CameraPathOptions& options);
+
 std::vector<Camera> camera_path(const LayeredPanorama& panorama, const CameraPathOptions& options);
 
 // Of each of its views: "frame_007".

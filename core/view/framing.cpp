@@ -91,6 +91,7 @@ class Framing {
 
 CameraPathOptions framed_inside(const LayeredPanorama& panorama, const Renderer& renderer, CameraPathOptions path,
                                 const Job& job) {
+  check_camera_path(path);
   return Framing(panorama, renderer, path, job).framed(path);
 }
 

@@ -75,7 +75,10 @@ Camera camera_from(const ldp_camera& given) {
                        given.cy,    given.k1,     given.k2,   given.p1,   given.p2};
   for (const double value : {given.fl_x, given.fl_y, given.cx, given.cy, given.k1, given.k2, given.p1, given.p2})
     if (!std::isfinite(value)) throw Refusal(LDP_BAD_ARGUMENT, "camera: has a number that is not finite");
-  const auto pose = pose_of_opengl(Eigen::Map<const RowMajor4>(given.world_from_camera));
+  const Eigen::Map<const RowMajor4> matrix(given.world_from_camera);
+  if (!matrix.row(3).head<3>().isZero(0))
+    throw Refusal(LDP_BAD_ARGUMENT, "camera->world_from_camera has a last row other than 0 0 0 1: is it transposed?");
+  const auto pose = pose_of_opengl(matrix);
   if (!pose)
     throw Refusal(LDP_BAD_ARGUMENT,
                   "camera->world_from_camera is not a rotation and a position (its columns must be unit, orthogonal "

@@ -356,11 +356,19 @@ TEST_F(Refusals, OfWhatCannotBeMeant) {
   expect(ldp_render(panorama_.get(), &camera, &view, &error_), LDP_BAD_ARGUMENT, "view->fill is 2");
   camera.width = 0;
   expect(ldp_render(panorama_.get(), &camera, &view, &error_), LDP_BAD_ARGUMENT, "0x90 pixels");
-  camera.width = 120, camera.world_from_camera[0] += 0.5;
+  camera.width = 120, camera.world_from_camera[12] = 0.5;
+  expect(ldp_render(panorama_.get(), &camera, &view, &error_), LDP_BAD_ARGUMENT, "is it transposed?");
+  camera.world_from_camera[12] = 0, camera.world_from_camera[0] += 0.5;
   expect(ldp_render(panorama_.get(), &camera, &view, &error_), LDP_BAD_ARGUMENT, "is not a rotation");
   camera.fl_x = std::nan("");
   expect(ldp_render(panorama_.get(), &camera, &view, &error_), LDP_BAD_ARGUMENT, "not finite");
   expect(ldp_cameras_on_path(panorama_.get(), "spiral", 1, 0, &camera, &error_), LDP_BAD_ARGUMENT, "spiral");
+  camera.width = 0;
+  expect(ldp_cameras_on_path(panorama_.get(), "sway", 1, 0, &camera, &error_), LDP_BAD_ARGUMENT,
+         "width is 0; must be 1 to 16384");
+  camera.width = 120;
+  expect(ldp_cameras_on_path(panorama_.get(), "sway", 1, 4, &camera, &error_), LDP_BAD_ARGUMENT,
+         "the field of view in radians is 4; must be 0 to 3");
   expect(ldp_describe(nullptr, nullptr, &error_), LDP_BAD_ARGUMENT, "description is a null pointer");
 }
 
