@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 #include <utility>
 
 #include "core/view/view_tuning.h"
@@ -125,37 +127,49 @@ Mesh MeshStrips::made(const Strip& strip, const Job& job) const {
   return mesh;
 }
 
-void MeshStrips::make(Strip& strip, const Job& job) {
-  const std::lock_guard lock(strip.making);
-  if (strip.mesh) return;
-  strip.mesh = made(strip, job);
-  ++made_;
+void MeshStrips::make(const std::vector<size_t>& places, const Job& job) {
+  std::vector<size_t> missing;
+  std::copy_if(places.begin(), places.end(), std::back_inserter(missing),
+               [&](size_t place) { return !strips_[place].is_made; });
+  parallel_for(job, static_cast<int>(missing.size()), [&](int i) {
+    Strip& strip = strips_[missing[static_cast<size_t>(i)]];
+    const std::lock_guard lock(strip.making);
+    if (strip.is_made) return;
+    strip.mesh = made(strip, job);
+    strip.is_made = true;
+  });
 }
 
 std::vector<size_t> MeshStrips::make_seen(const ViewFrustum& frustum, const Window& window, const Job& job) {
   std::vector<size_t> seen;
   for (size_t i = 0; i < strips_.size(); ++i)
     if (sees(frustum, window, strips_[i])) seen.push_back(i);
-  parallel_for(job, static_cast<int>(seen.size()), [&](int i) { make(strips_[seen[static_cast<size_t>(i)]], job); });
+  make(seen, job);
   return seen;
 }
 
 void MeshStrips::make_all(const Job& job) {
-  parallel_for(job, static_cast<int>(strips_.size()), [&](int i) { make(strips_[static_cast<size_t>(i)], job); });
+  std::vector<size_t> all(strips_.size());
+  std::iota(all.begin(), all.end(), size_t{0});
+  make(all, job);
+}
+
+bool MeshStrips::all_made() const {
+  return std::all_of(strips_.begin(), strips_.end(), [](const Strip& strip) { return strip.is_made.load(); });
 }
 
 void MeshStrips::forget_unseen(const ViewFrustum& frustum, const Window& window) {
   for (Strip& strip : strips_) {
-    if (!strip.mesh || sees(frustum, window, strip)) continue;
-    strip.mesh.reset();
-    --made_;
+    if (!strip.is_made || sees(frustum, window, strip)) continue;
+    strip.is_made = false;
+    strip.mesh = {};
   }
 }
 
 std::vector<const MeshTile*> MeshStrips::tiles(const std::vector<size_t>& places, int layers) const {
   std::vector<const MeshTile*> tiles;
   for (const size_t place : places)
-    for (const MeshTile& tile : strips_[place].mesh->tiles)
+    for (const MeshTile& tile : strips_[place].mesh.tiles)
       if (layers >= layers_ || tile.layer < layers) tiles.push_back(&tile);
   std::stable_sort(tiles.begin(), tiles.end(), [](const auto* a, const auto* b) { return a->layer < b->layer; });
   return tiles;

@@ -1,14 +1,13 @@
 // The mesh of a panorama in strips of columns, each made when a view first needs it.
 //
-// Takes a panorama and what a view may see; gives tiles as build_mesh() does of the whole, to far less than what shows:
-// a strip is cut out with as many columns beside it as its surfaces depend on.
+// Takes a panorama and what a view may see; gives tiles. A strip is cut out with as many columns beside it as what is
+// made up of its surfaces depends on; smoothing depends on more, by far less than shows.
 #pragma once
 
 #include <atomic>
 #include <cstddef>
 #include <deque>
 #include <mutex>
-#include <optional>
 #include <vector>
 
 #include "core/base/job.h"
@@ -32,7 +31,7 @@ class MeshStrips {
   // any number of threads at the same time.
   std::vector<size_t> make_seen(const ViewFrustum& frustum, const Window& window, const Job& job);
   void make_all(const Job& job);  // likewise
-  bool all_made() const { return made_ == strips_.size(); }
+  bool all_made() const;
 
   // Lets go of all others; not while any are made.
   void forget_unseen(const ViewFrustum& frustum, const Window& window);
@@ -47,19 +46,19 @@ class MeshStrips {
   struct Strip {
     int begin, end, from, to;
     float w_min, w_max;  // inverse depths of its surfaces lie between
-    std::mutex making;   // guards the mesh
-    std::optional<Mesh> mesh;
+    std::mutex making;
+    std::atomic<bool> is_made = false;
+    Mesh mesh;  // once it is made
   };
 
   Mesh made(const Strip& strip, const Job& job) const;
-  void make(Strip& strip, const Job& job);
+  void make(const std::vector<size_t>& places, const Job& job);
   bool sees(const ViewFrustum& frustum, const Window& window, const Strip& strip) const;
 
   const LayeredPanorama& panorama_;
   int layers_, rows_beyond_ = 0;
   BeyondFrames beyond_;
   std::deque<Strip> strips_;
-  std::atomic<size_t> made_ = 0;
 };
 
 }  // namespace ldp::view
