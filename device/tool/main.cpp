@@ -183,7 +183,10 @@ int main(int argc, char** argv) try {
       "little memory: try again, 130 interrupted.");
   const int parsed = ldp::parse(program, argc, argv);
   const int status = ldp::with_all_printed(program, program.chosen ? ldp::run(program) : parsed);
-  return interrupt.came() ? ldp::kInterrupted : status;
+  if (!interrupt.came()) return status;
+  // The work was done by then. Programs that go on until Ctrl-C write nothing.
+  if (ldp::is_anything_written()) std::fputs(ldp::take_interrupted_line().c_str(), stderr);
+  return ldp::kInterrupted;
 } catch (const std::exception& error) {  // before there is a command: no room for the thread that waits for Ctrl-C
   std::fprintf(stderr, "ldp: cannot start: %s\n", ldp::printable(error.what()).c_str());
   return ldp::kTryAgain;

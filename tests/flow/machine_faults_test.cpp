@@ -1,5 +1,8 @@
 // The program `ldp` on a machine that lacks something: room, memory, threads, descriptors.
 
+#include <chrono>
+#include <thread>
+
 #include "core/base/files.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/photos/images.h"
@@ -87,6 +90,22 @@ TEST_F(Outputs, AnInterruptionAfterTheFirstResultDoesNotTellThatThereIsNone) {
   EXPECT_EQ(outcome.err, "ldp build: interrupted: what was written before is whole\n");
   EXPECT_EQ(ldp({"verify", path("a.ldp")}).status, 0);
   EXPECT_FALSE(fs::exists(path("report.json")));
+}
+
+TEST_F(Outputs, AnInterruptionInTheLastMomentIsToldToo) {
+  const std::string cameras = path("cameras.json");
+  for (int i = 0; i < 10; ++i) {
+    fs::remove(cameras);
+    const Running exporting({"export", LDP_SOURCE "/tests/golden/tiny.ldp", "-o", cameras}, room_);
+    const auto late = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (!fs::exists(cameras) && std::chrono::steady_clock::now() < late) std::this_thread::yield();
+    exporting.interrupt();
+    const Outcome outcome = exporting.wait();
+    if (outcome.status == 130)  // or it had ended
+      EXPECT_EQ(outcome.err, "ldp export: interrupted: what was written before is whole\n");
+    else
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+  }
 }
 
 TEST_F(Outputs, ABuildGoesOnWithTheThreadsItHas) {

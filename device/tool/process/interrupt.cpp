@@ -60,6 +60,11 @@ void note_written() {
   registry().written = true;
 }
 
+bool is_anything_written() {
+  const std::lock_guard lock(registry().mutex);
+  return registry().written;
+}
+
 void cut_off(int status, const std::string& line) {
   // The lock is kept: nobody may register or write anything from here on.
   Registry& all = registry();

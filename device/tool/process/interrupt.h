@@ -41,6 +41,7 @@ std::string take_interrupted_line();
 
 // A result is about to be there: it is no longer told that nothing was written.
 void note_written();
+bool is_anything_written();
 
 // Does what is registered here and ends the program, from any thread, whatever else runs; `line` goes to standard
 // error.
