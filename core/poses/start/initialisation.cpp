@@ -66,8 +66,28 @@ std::vector<Candidate> passing_cheirality(const MatchedSweep& sweep, const std::
   return candidates;
 }
 
-// The tracks that one of the hypotheses at least explains, roughly. The longest are often of what keeps pace with the
-// camera, which none explains; adjusted to, they lead all hypotheses astray.
+// A track's observations, apart where many frames lie between: what a full turn sees again at its end. One whole where
+// that leaves no two together.
+std::vector<Track> split_at_gaps(const Track& track) {
+  std::vector<Track> parts;
+  for (size_t i = 0; i < track.size(); ++i) {
+    if (i == 0 || track[i].frame - track[i - 1].frame > kMaxTrackGap) parts.emplace_back();
+    parts.back().push_back(track[i]);
+  }
+  std::erase_if(parts, [](const Track& part) { return part.size() < 2; });
+  return parts.empty() ? std::vector<Track>{track} : parts;
+}
+
+// Whether cameras explain a track, roughly. Each end of a full turn by itself, since hypotheses drift.
+bool explains(const MatchedSweep& sweep, const Track& track, Bundle& cameras, const Job& job) {
+  const std::vector<Track> parts = split_at_gaps(track);
+  return std::all_of(parts.begin(), parts.end(), [&](const Track& part) {
+    return !triangulate_inliers({part}, sweep.pixels(kStaticTolerance_px), false, cameras, job).empty();
+  });
+}
+
+// The tracks that one of the hypotheses at least explains. The longest are often of what keeps pace with the camera,
+// which none explains; adjusted to, they lead all hypotheses astray.
 std::vector<Track> static_tracks(const MatchedSweep& sweep, const std::vector<Track>& tracks,
                                  const std::vector<RotationHypothesis>& hypotheses, const Job& job) {
   std::vector<std::vector<bool>> explained(hypotheses.size());
@@ -75,17 +95,16 @@ std::vector<Track> static_tracks(const MatchedSweep& sweep, const std::vector<Tr
   alone.threads = 1;
   parallel_for(job, static_cast<int>(hypotheses.size()), [&](int i) {
     const RotationHypothesis& one = hypotheses[static_cast<size_t>(i)];
-    Bundle bundle;
-    bundle.lens.focal_px = one.focal_px;
-    for (const Eigen::Matrix3d& r : one.world_from_camera) bundle.cameras.push_back({r, r.col(2)});
+    Bundle cameras;
+    cameras.lens.focal_px = one.focal_px;
+    for (const Eigen::Matrix3d& r : one.world_from_camera) cameras.cameras.push_back({r, r.col(2)});
     for (const Track& track : tracks)
-      explained[static_cast<size_t>(i)].push_back(
-          !triangulate_inliers({track}, sweep.pixels(kStaticTolerance_px), false, bundle, alone).empty());
+      explained[static_cast<size_t>(i)].push_back(explains(sweep, track, cameras, alone));
   });
   std::vector<Track> still;
   for (size_t t = 0; t < tracks.size(); ++t) {
-    const auto explains = [&](const std::vector<bool>& by_one) { return by_one[t]; };
-    if (std::any_of(explained.begin(), explained.end(), explains)) still.push_back(tracks[t]);
+    const auto by_one = [&](const std::vector<bool>& by) { return by[t]; };
+    if (std::any_of(explained.begin(), explained.end(), by_one)) still.push_back(tracks[t]);
   }
   return still;
 }

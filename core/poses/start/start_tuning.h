@@ -53,6 +53,7 @@ constexpr double kBehindInfinity = -0.02;  // inverse distance of a point that f
 constexpr int kStartObservationsPerFrame = 50;
 constexpr int kStaticCandidates = 2 * kStartObservationsPerFrame;  // of a frame, the longest tracks first, of which
 constexpr double kStaticTolerance_px = 24;  // those are taken that a hypothesis explains within so many pixels of 800
+constexpr int kMaxTrackGap = 4;             // frames from one observation to the next of the same part of a track
 constexpr size_t kFreedStarts = 3;          // that are adjusted with free centres
 constexpr double kStartArcSigma = 0.05;     // of these, radii: a short arc could turn inside out otherwise
 constexpr double kSameLogFocal = 0.02;      // starts whose focal lengths differ by less are one

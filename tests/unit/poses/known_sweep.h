@@ -59,11 +59,11 @@ inline Bundle true_bundle(MotionModel model) {
   return bundle;
 }
 
-// Sixteen cameras all round, the last of which sees half of what the first one does.
-inline Bundle full_turn_bundle() {
+// Sixteen cameras all round, the last of which sees half of what the first one does (at 700 px).
+inline Bundle full_turn_bundle(double focal_px = 700) {
   std::mt19937 random(7);
   Bundle bundle;
-  bundle.lens = {700, 0, 0};
+  bundle.lens = {focal_px, 0, 0};
   for (int i = 0; i < 16; ++i) {
     const Eigen::Matrix3d r = turn(0, 22.5 * i, 0);
     bundle.cameras.push_back({r, r.col(2)});

@@ -88,6 +88,10 @@ TEST(AverageRotations, ClosesALoopAndIgnoresAFalseEdge) {
   }
 }
 
+Eigen::Matrix3d step_between(const Bundle& bundle, size_t a, size_t b) {
+  return bundle.cameras[b].world_from_camera.transpose() * bundle.cameras[a].world_from_camera;
+}
+
 // Things that keep pace with the camera stand in one place of all photos, and so are tracked the longest.
 TEST(InitialiseSpherical, IsNotLedByWhatKeepsPaceWithTheCamera) {
   const Bundle truth = true_bundle(MotionModel::spherical);
@@ -104,11 +108,30 @@ TEST(InitialiseSpherical, IsNotLedByWhatKeepsPaceWithTheCamera) {
   for (const Pose& pose : truth.cameras) near_truth.world_from_camera.push_back(pose.world_from_camera);
   const Bundle found = initialise_spherical(known.sweep, tracks, {near_truth}, FocalPrior{720, 0.1}, Job{});
   for (size_t i = 1; i < truth.cameras.size(); ++i) {
-    const auto step = [&](const Bundle& b) -> Eigen::Matrix3d {
-      return b.cameras[i].world_from_camera.transpose() * b.cameras[i - 1].world_from_camera;
-    };
-    EXPECT_LT(angle_deg(step(found), step(truth)), 0.5);
+    EXPECT_LT(angle_deg(step_between(found, i - 1, i), step_between(truth, i - 1, i)), 0.5);
   }
+}
+
+// Steps that all turn a little too little leave a gap where a full turn meets its beginning: what both ends see is no
+// point there. Here nothing else holds both halves of the turn together.
+TEST(InitialiseSpherical, IsClosedByWhatBothEndsOfAFullTurnSee) {
+  const Bundle truth = full_turn_bundle(500);
+  KnownSweep known(truth);
+  std::erase_if(known.sweep.pairs, [](const PairMatches& pair) { return pair.a == 7; });
+  std::vector<Track> tracks;
+  for (size_t i = 0; i < known.found.tracks.size(); ++i) {
+    const Track& track = known.found.tracks[i];
+    std::vector<int> frames;
+    for (const Observation& o : track) frames.push_back(o.frame);
+    const auto first_half = std::count_if(frames.begin(), frames.end(), [](int frame) { return frame < 8; });
+    const bool of_one_half = first_half == 0 || first_half == std::ssize(frames);
+    if (of_one_half ? i % 4 == 0 : frames == std::vector{0, 1, 14, 15}) tracks.push_back(track);
+  }
+  RotationHypothesis drifted;
+  drifted.focal_px = 500;
+  for (int i = 0; i < 16; ++i) drifted.world_from_camera.push_back(turn(0, 21.5 * i, 0));
+  const Bundle found = initialise_spherical(known.sweep, tracks, {drifted}, FocalPrior{500, 0.1}, Job{});
+  EXPECT_LT(angle_deg(step_between(found, 15, 0), step_between(truth, 15, 0)), 0.5);
 }
 
 TEST(StepPrior, IsOfEachFrameAndTheNext) {
