@@ -33,7 +33,8 @@ struct DirectionEvidence {
 
 struct PhotoEvidence {
   double heading_deg = 0;
-  // Of the camera since the photograph before, by its poses: turn, way, part of it along the line of sight.
+  // Of the camera since the photograph before, by its poses: turn, way, part of it along the line of sight (negative
+  // backward).
   double turn_deg = 0, step = 0, forward = 0;
   PhotoMeasures measures;
   double gain = 1;  // factor of green that brings it to the exposure of all

@@ -16,11 +16,12 @@ constexpr double kSharp = 0.27;           // blur of sharp photographs
 constexpr double kUsualReprojection = 1;  // thousandths of the width
 constexpr double kUsualShift = 0.27;      // widths
 constexpr double kUsualParallax = 6e-3, kLeastParallax = 0.3e-3;
+constexpr double kUsualOutward = 0.5;  // of an arc by a hand that also steps to and fro
 constexpr double kUsualMismatch = 0.12, kMostMismatch = 2, kLittleTurn = 0.05;
 
 // As features stand in `Feature`.
-constexpr Features kWeights = {-0.6092, 0.6763,   -0.5850, 0.3398,  -4.5252, -22.7755,
-                               -2.7760, -14.9904, -3.8215, -4.7229, -0.5681, -4.0932};
+constexpr Features kWeights = {-0.6092, 0.6763,   -0.5850, 0.3398, -4.5252, -22.7755,
+                               -2.7760, -14.9904, -3.8215, -11.47, -0.5681, -4.0932};
 
 double hundredths(double x) { return std::round(x * 100) / 100; }
 
@@ -67,7 +68,7 @@ Features features_from(const SweepEvidence& evidence, const Portion& portion) {
   at(f, Feature::reprojection) = std::max(0.0, 1000 * evidence.reprojection - kUsualReprojection);
   at(f, Feature::shift) = std::max(0.0, portion.shift / weight - kUsualShift);
   at(f, Feature::flat) = flatness(evidence, motion);
-  at(f, Feature::outward) = motion.outward;
+  at(f, Feature::outward) = std::max(0.0, motion.outward - kUsualOutward);
   at(f, Feature::doubtful) = evidence.doubt != DoubtfulPoses::no ? 1 : 0;
   at(f, Feature::mismatch) = std::max(0.0, motion.mismatch - kUsualMismatch);
   return f;
@@ -96,8 +97,10 @@ MotionMeasures motion_of(const SweepEvidence& evidence) {
   MotionMeasures motion;
   if (points > 0) motion.parallax = std::sqrt(squares / points);
   if (all > 0) motion.outward = std::abs(outward) / all;
-  // Turns take most of a sideward step's flow with them, so that a little way forward outweighs it.
-  if (way > 0 && evidence.doubt == DoubtfulPoses::no) motion.outward = std::min(motion.outward, forward / way);
+  // Turns take most of a sideward step's flow with them, so that a little way forward outweighs it. Steps to and fro
+  // lead nowhere.
+  if (way > 0 && evidence.doubt == DoubtfulPoses::no)
+    motion.outward = std::min(motion.outward, std::abs(forward) / way);
   motion.mismatch = std::min(kMostMismatch, std::abs(exact_log((shift + kLittleTurn) / (turn + kLittleTurn))));
   return motion;
 }

@@ -23,7 +23,7 @@ enum class Feature : uint8_t {
   reprojection,  // root mean square, in thousandths of the photograph's width, beyond 1
   shift,         // from photograph to photograph, in widths, beyond what three quarters of overlap have
   flat,          // factors of two by which parallax is less than a sweep's
-  outward,       // share of the parallax that points away from the middle of the photographs
+  outward,       // share of the parallax that points away from the middle of the photographs, beyond half
   doubtful,      // 1 where the poses are
   mismatch       // logarithm of how much more, or less, photographs shift than the poses turn
 };

@@ -20,7 +20,7 @@ struct JudgeOptions {
   Bounds shift{0.47, 0.65};            // from photograph to photograph, in widths
   Bounds left_out{0.2, 0.6};           // share of the photographs
   Bounds exposure{1.0, 4.0};           // from photograph to photograph, factors of two
-  Bounds outward{0.5, 0.7};            // share of the parallax that points away from the middle
+  Bounds outward{0.6, 0.7};            // share of the parallax that points away from the middle
   Bounds mismatch{0.28, 0.6};          // photographs' shift against the poses' turns, logarithm
   Bounds unexplained{0.06, 0.25};      // share of the pixels
   Bounds disagreement{0.04, 0.15};     // share of the matches of neighbouring photographs that do not fit the poses

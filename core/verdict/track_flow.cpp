@@ -124,7 +124,7 @@ void measure_step(const Pose& before, const Pose& after, PhotoEvidence& photo) {
   const Eigen::Vector3d middle = before.world_from_camera.col(2) + after.world_from_camera.col(2);
   const Eigen::Vector3d way = after.centre - before.centre;
   photo.step = length(way);
-  photo.forward = length(middle) > 0 ? std::abs(exact_dot(way, middle)) / length(middle) : 0;
+  photo.forward = length(middle) > 0 ? exact_dot(way, middle) / length(middle) : 0;
 }
 
 }  // namespace

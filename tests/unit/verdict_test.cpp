@@ -253,6 +253,17 @@ TEST(Judge, AStepAsideThatIsAlsoForwardIsNoWalk) {
   EXPECT_THAT(reasons(judge(evidence)), testing::Contains(QualityReason::moved_forward)) << "its poses do not count";
 }
 
+TEST(Judge, StepsToAndFroAreNoWalk) {
+  SweepEvidence evidence = clean_sweep();
+  for (size_t i = 1; i < evidence.photos.size(); ++i) {
+    PhotoEvidence& photo = evidence.photos[i];
+    photo.outward = 2.5, photo.forward = (i % 2 == 0 ? 0.9 : -0.9) * photo.step;
+  }
+  EXPECT_EQ(judge(evidence).grade, Grade::good);
+  for (PhotoEvidence& photo : evidence.photos) photo.forward = -0.9 * photo.step;
+  EXPECT_EQ(reasons(judge(evidence)), std::vector{QualityReason::moved_forward}) << "backward is one";
+}
+
 TEST(Judge, PosesThatTurnOtherwiseThanThePhotosShiftAreDoubtful) {
   SweepEvidence evidence = clean_sweep();
   for (PhotoEvidence& photo : evidence.photos) photo.turn_deg *= 0.4;
