@@ -12,12 +12,19 @@ namespace {
 constexpr double kNoiseGrey = 118;   // noise is told at it: mean grey of a well exposed photograph
 constexpr double kRounding = 0.5;    // levels of noise that rounding hides
 constexpr double kLeastSeen = 0.02;  // share of a photograph's pixels from which a direction is judged
+constexpr double kSharpest = 0.2;    // blur of a photograph of sharp edges that are not close together
 
 struct Found {
   QualityFinding finding;
   Grade grade = Grade::fair;
   double weight = 0;  // how far beyond its bound, of several reasons
 };
+
+// Blur of one axis beyond that of the other. Fine lines along one axis look sharper than anything is: the blurred axis
+// has to be so by itself.
+double smear_of(const PhotoMeasures& photo) {
+  return std::min(std::abs(photo.blur_x - photo.blur_y), std::max(photo.blur_x, photo.blur_y) - kSharpest);
+}
 
 class Judge {
  public:
@@ -132,8 +139,7 @@ class Judge {
   void find_by_photo() {
     const auto& photos = evidence_.photos;
     const DirectionEvidence all = everything();
-    find_runs(QualityReason::blurred, options_.smear,
-              [&](size_t i) { return std::abs(photos[i].measures.blur_x - photos[i].measures.blur_y); });
+    find_runs(QualityReason::blurred, options_.smear, [&](size_t i) { return smear_of(photos[i].measures); });
     find_runs(QualityReason::little_overlap, options_.shift, [&](size_t i) { return photos[i].shift; });
     find_runs(QualityReason::exposure_jumps, options_.exposure, [&](size_t i) { return exposure_jump(evidence_, i); });
     if (grade_of(unexplained(all), options_.unexplained) != Grade::good)

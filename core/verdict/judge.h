@@ -15,7 +15,7 @@ struct Bounds {
 
 // Between what clean and spoiled sweeps of synthetic scenes and of data/photos have (decisions.md).
 struct JudgeOptions {
-  Bounds smear{0.12, 0.35};            // blur across the sweep, more than that along it
+  Bounds smear{0.12, 0.35};            // blur of one axis, more than the other has and than sharp edges
   Bounds dark_noise{3.5, 12};          // noise that even exposure would show [levels]
   Bounds shift{0.47, 0.65};            // from photograph to photograph, in widths
   Bounds left_out{0.2, 0.6};           // share of the photographs

@@ -85,7 +85,7 @@ TEST_F(LdpdTest, ABuildThatDiesInMidSweepIsBegunAgainAfterIt) {
     SCOPED_TRACE(death);
     fs::remove_all(room_ / "out");
     fs::remove(room_ / "said");
-    build_program("", std::string("[ $line != frame_003.jpg ] || { ") + death + "; }");
+    build_program("", std::string("[ $line != frame_001.jpg ] || { ") + death + "; }");
     const Finished run = run_once();
     EXPECT_EQ(run.status, 0) << run.said;
     EXPECT_THAT(run.said, HasSubstr("is built after its end"));

@@ -237,6 +237,14 @@ TEST(Judge, EveryFaultHasItsReason) {
             Reasons{QualityReason::holes});
 }
 
+TEST(Judge, FineLinesAlongOneAxisAreNoBlurAlongTheOther) {
+  SweepEvidence evidence = clean_sweep();
+  for (PhotoEvidence& photo : evidence.photos) photo.measures.blur_x = 0.3, photo.measures.blur_y = 0.15;
+  EXPECT_EQ(judge(evidence).grade, Grade::good);
+  for (PhotoEvidence& photo : evidence.photos) photo.measures.blur_x = 0.35;
+  EXPECT_EQ(reasons(judge(evidence)), std::vector{QualityReason::blurred});
+}
+
 TEST(Judge, FoliageInMostPhotosIsNoNoise) {
   SweepEvidence evidence = clean_sweep();
   for (size_t i = 0; i < 10; ++i) evidence.photos[i].measures.noise = 5;
