@@ -23,6 +23,8 @@ constexpr double kConnectedTolerance_px = 12;       // within so many pixels of 
 constexpr double kMaxOutlierPairShare = 0.05;       // of all matches may be in pairs that do not
 constexpr size_t kRichObservationsPerFrame = 1000;  // that make guided matching needless
 constexpr double kMinKeptShare = 0.9;     // of the inliers among matches, that an iteration on tracks by KLT must keep
+constexpr double kRuinedShare = 0.5;      // and of less than that none is kept
+constexpr double kMaxBeyondShare = 0.15;  // 0 .. 1, of the points beyond, from which points are kept on this side
 constexpr int kMaxKltIterations = 4;      // at the wider tolerance, until the focal length
 constexpr double kFocalConverged = 5e-4;  // changes by no more than this share
 

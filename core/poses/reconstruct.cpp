@@ -276,6 +276,7 @@ void SweepReconstruction::match_again_if_poor() {
 
 void SweepReconstruction::refine_on_klt_tracks() {
   job_.report("adjusting", 0.8);
+  if (!is_rotation() && share_beyond_infinity(result_.bundle) > kMaxBeyondShare) refinement_.enforce_cheirality();
   refine_until_focal_converges();
   if (!is_rotation() && is_false_arc(sweep_, result_.tracks, result_.bundle, job_)) {
     result_.motion = Motion::rotation;
@@ -314,7 +315,7 @@ std::vector<Track> SweepReconstruction::klt_tracks() const {
 
 // One iteration on tracks by KLT. Where steps are so wide that hardly a third photo sees any, the cameras go astray if
 // points of two photos weigh little: what was matched tells so, and the iteration is done again with all points equal.
-// Takes and gives how many observations of matches are inliers.
+// One that ruins the cameras even so is not kept. Takes and gives how many observations of matches are inliers.
 double SweepReconstruction::klt_iteration(double tolerance, double inliers_before) {
   const Reconstruction before = result_;
   refinement_.iterate(klt_tracks(), tolerance, kArcSigma, result_);
@@ -323,7 +324,10 @@ double SweepReconstruction::klt_iteration(double tolerance, double inliers_befor
   refinement_.trust_two_view_points();
   result_ = before;
   refinement_.iterate(klt_tracks(), tolerance, kArcSigma, result_);
-  return inliers(result_);
+  const double inliers_again = inliers(result_);
+  if (inliers_again >= kRuinedShare * inliers_before) return inliers_again;
+  result_ = before;
+  return inliers_before;
 }
 
 // Points that a wrong focal length gathered leave a few at a time.

@@ -37,6 +37,12 @@ double scatter_about_arc(const Reconstruction& r) {
   return std::sqrt(squared / std::max(numbers, 1.0));
 }
 
+double share_beyond_infinity(const Bundle& bundle) {
+  const auto beyond = [](const InversePoint& point) { return point.inverse_distance < kBeyondInfinity; };
+  const auto count = std::count_if(bundle.points.begin(), bundle.points.end(), beyond);
+  return static_cast<double>(count) / static_cast<double>(std::max<size_t>(1, bundle.points.size()));
+}
+
 IterativeRefinement::IterativeRefinement(const MatchedSweep& sweep, const std::optional<FocalPrior>& focal,
                                          const Job& job)
     : sweep_(&sweep), job_(job) {

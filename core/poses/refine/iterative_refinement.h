@@ -16,6 +16,7 @@ class IterativeRefinement {
 
   void set_model(MotionModel model) { options_.model = model; }
   void set_min_arc_sigma(double sigma) { min_arc_sigma_ = sigma; }  // of the arc prior whatever an iteration asks for
+  void enforce_cheirality() { options_.enforce_cheirality = true; }
   bool has_arc_prior() const { return min_arc_sigma_ < kNoArcSigma && options_.model != MotionModel::rotation; }
   void fix_distortion() { options_.refine_distortion = false; }
   bool refines_distortion() const { return options_.refine_distortion; }
@@ -49,6 +50,9 @@ class IterativeRefinement {
 
 // How far cameras that observations hold are from their places on the sphere: deviation of a coordinate, radii.
 double scatter_about_arc(const Reconstruction& r);
+// Of its points. Too long a focal length passes for a world that lies a little beyond infinity, as an arc whose steps
+// turn too little: left to themselves, tracks lengthen it until nothing is left.
+double share_beyond_infinity(const Bundle& bundle);
 
 std::vector<int> observations_by_frame(const Reconstruction& r);
 

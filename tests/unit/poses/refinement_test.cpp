@@ -52,6 +52,41 @@ TEST(RejectInconsistentMatches, LeavesOutThingsThatOnlyLookTheSame) {
   EXPECT_EQ(kept.size(), true_pairs);
 }
 
+// What the photos of a full turn show of a world far away, each observation up to two pixels off.
+KnownSweep far_away() {
+  Bundle bundle = full_turn_bundle();
+  for (InversePoint& point : bundle.points) point.inverse_distance *= 0.01;
+  std::mt19937 random(9);
+  for (BundleObservation& o : bundle.observations) {
+    const Projection seen = project_point(bundle.cameras[static_cast<size_t>(o.camera)], bundle.lens,
+                                          bundle.points[static_cast<size_t>(o.point)]);
+    const double x = uniform(random, -2, 2), y = uniform(random, -2, 2);
+    o.position_px = seen.position_px + Eigen::Vector2d(x, y);
+  }
+  return KnownSweep(std::move(bundle));
+}
+
+TEST(IterativeRefinement, KeepsPointsOnThisSideOfInfinityWhereAsked) {
+  const KnownSweep known = far_away();
+  for (const bool asked : {false, true}) {
+    Reconstruction found = known.found;
+    IterativeRefinement refinement(known.sweep, FocalPrior{700, 0.1}, Job{});
+    if (asked) refinement.enforce_cheirality();
+    refinement.iterate(known.found.tracks, 12, 0.02, found);
+    const auto beyond = [](const InversePoint& point) { return point.inverse_distance < -1e-9; };
+    EXPECT_EQ(std::any_of(found.bundle.points.begin(), found.bundle.points.end(), beyond), !asked);
+  }
+}
+
+TEST(ShareBeyondInfinity, IsOfPointsThatNoiseHardlyPutsThere) {
+  Bundle bundle = full_turn_bundle();
+  EXPECT_EQ(share_beyond_infinity(bundle), 0);
+  for (size_t i = 0; i < bundle.points.size(); ++i)
+    bundle.points[i].inverse_distance = i % 4 == 0 ? -0.05 : i % 2 == 0 ? -0.01 : 0.1;
+  EXPECT_NEAR(share_beyond_infinity(bundle), 0.25, 1e-3);
+  EXPECT_EQ(share_beyond_infinity(Bundle{}), 0);
+}
+
 TEST(Doubt, IsSilentAboutTruePoses) { EXPECT_EQ(KnownSweep().doubted(), ""); }
 
 TEST(Doubt, NamesPhotosWhoseMatchesContradictTheirPoses) {
