@@ -8,6 +8,7 @@
 #include "core/poses/adjust/robust_tracks.h"
 #include "core/poses/refine/refine_tuning.h"
 #include "core/poses/start/rotation_averaging.h"
+#include "core/poses/start/start_tuning.h"
 #include "core/poses/tracks/track_triangulation.h"
 
 namespace ldp::sfm {
@@ -38,7 +39,7 @@ double scatter_about_arc(const Reconstruction& r) {
 }
 
 double share_beyond_infinity(const Bundle& bundle) {
-  const auto beyond = [](const InversePoint& point) { return point.inverse_distance < kBeyondInfinity; };
+  const auto beyond = [](const InversePoint& point) { return point.inverse_distance < kBehindInfinity; };
   const auto count = std::count_if(bundle.points.begin(), bundle.points.end(), beyond);
   return static_cast<double>(count) / static_cast<double>(std::max<size_t>(1, bundle.points.size()));
 }

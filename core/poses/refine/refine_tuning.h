@@ -15,9 +15,8 @@ constexpr double kKltTolerances_px[] = {4, 2};             // and on tracks by K
 constexpr double kTightArcSigma = 0.02, kArcSigma = 0.05;  // at first and later: what walks by is told from what stands
                                                            // as long as cameras are kept near their circle
 constexpr double kWideArcSigma = 0.2;                      // for hands that leave it
-constexpr double kBeyondInfinity = -0.02;  // inverse distance [1 / radii] that the noise of far points hardly has
-constexpr double kNoArcSigma = 1e3;        // for paths that are none
-constexpr int kWellObserved = 150;         // observations by KLT that a frame is content with
+constexpr double kNoArcSigma = 1e3;                        // for paths that are none
+constexpr int kWellObserved = 150;                         // observations by KLT that a frame is content with
 constexpr double kLossPerTolerance = 0.3, kMaxLoss_px = 0.8;  // Cauchy scale; pixels of 800
 constexpr double kKltLossShare = 0.7;  // of that, on tracks by KLT: most are far better than the few that are not
 constexpr double kMatchTwoViewWeight = 0.2, kKltTwoViewWeight = 0.05;  // 0 .. 1, of points that two photos see, in
