@@ -299,11 +299,12 @@ void CaptureCycle::serve_writer() {
 
 void CaptureCycle::serve_build() {
   if (!builds_.runs()) return;
+  const auto end = builds_.end();  // asked first: of one that is over, what is read now is all that it said
   if (const auto progress = builds_.read_progress()) {
     announcer_.publish(Progress{capture_, progress->stage, progress->fraction});
   }
   if (const auto remark = builds_.take_remark()) say(capture_ + "; so far " + *remark);
-  if (const auto end = builds_.end()) finish_build(*end);
+  if (end) finish_build(*end);
 }
 
 // --- the end ---------------------------------------------------------------------------------------------------------

@@ -218,8 +218,9 @@ ChildRun run_to_end(BuildChild& child) {
     pollfd entries[] = {{child.end_fd(), POLLIN, 0}, {child.progress_fd(), POLLIN, 0}, {child.error_fd(), POLLIN, 0}};
     poll(entries, 3, 100);
     child.read_errors();
-    if (auto progress = child.read_progress()) run.progress.push_back(*progress);
-    if (auto end = child.end()) {
+    const auto end = child.end();
+    if (auto progress = child.read_progress()) run.progress.push_back(*progress);  // all that it said before its end
+    if (end) {
       run.end = *end;
       return run;
     }

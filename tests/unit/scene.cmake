@@ -1,1 +1,1 @@
-ldp_test(scene_test SOURCES scene_test.cpp shapes_test.cpp SLOW_EMULATED Surround.EyesSeeAnEdgeApartByTheirDistance USES ldp_sim_capture ldp_sim_scene)
+ldp_test(scene_test SOURCES scene_test.cpp shapes_test.cpp SLOW_EMULATED Surround.EyesSeeAnEdgeApartByTheirDistance:Crowd.HidesAboutTheShareThatWasAskedForOfTheFullestPicture USES ldp_sim_capture ldp_sim_scene)
