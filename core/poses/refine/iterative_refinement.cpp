@@ -57,7 +57,7 @@ void IterativeRefinement::iterate(const std::vector<Track>& tracks, double toler
   const double loss = sweep_->pixels(std::min(kLossPerTolerance * tolerance, kMaxLoss_px));
   options_.loss_px = (is_klt_tolerance(tolerance) ? kKltLossShare : 1) * loss;
   const bool last = tolerance == kKltTolerances_px[1];
-  options_.arc_sigma = std::max({arc_sigma, min_arc_sigma_, last && reweights_at_end_ ? estimated_arc_sigma_ : 0});
+  options_.arc_sigma = std::max({arc_sigma, min_arc_sigma_, is_klt_tolerance(tolerance) ? estimated_arc_sigma_ : 0});
   options_.two_view_weight = trusts_two_view_points_ || last     ? 1
                              : tolerance == kKltTolerances_px[0] ? kKltTwoViewWeight
                                                                  : kMatchTwoViewWeight;
@@ -72,9 +72,8 @@ void IterativeRefinement::iterate(const std::vector<Track>& tracks, double toler
   if (last && reweights_at_end_) {
     adjust_with_track_weights(r.bundle, options_, sweep_->pixels(kTrackScale_px), job_);
     adjust_with_narrow_track_weights(r.bundle, options_, sweep_->pixels(1), job_);
-  } else if (!last) {
-    estimated_arc_sigma_ = options_.model == MotionModel::free ? scatter_about_arc(r) / noise_px(r) : 0;
   }
+  estimated_arc_sigma_ = options_.model == MotionModel::free ? scatter_about_arc(r) / noise_px(r) : 0;
 }
 
 // Deviation of a coordinate of an observation of weight 1, by what the adjustment left: its cost is half the sum over

@@ -22,7 +22,7 @@ class IterativeRefinement {
   bool refines_distortion() const { return options_.refine_distortion; }
   void use_threads(int threads) { job_.threads = std::max(1, threads); }  // as when several are at work
   void trust_two_view_points() { trusts_two_view_points_ = true; }
-  void reweight_tracks_at_end() { reweights_at_end_ = true; }  // and believe the scatter about the arc
+  void reweight_tracks_at_end() { reweights_at_end_ = true; }
 
   // Triangulates tracks with outlier rejection and adjusts everything to what is left.
   void iterate(const std::vector<Track>& tracks, double tolerance, double arc_sigma, Reconstruction& r);
@@ -43,9 +43,9 @@ class IterativeRefinement {
   bool reweights_at_end_ = false;
   double min_arc_sigma_ = 0;
   double cost_ = 0;
-  double estimated_arc_sigma_ = 0;  // for an end with reweighted tracks: the scatter about the circle that the
-                                    // iteration before found, over the noise of observations, because the prior's
-                                    // deviations are added to those of the data, which are in pixels
+  double estimated_arc_sigma_ = 0;  // for iterations on tracks by KLT: the scatter about the circle that the one
+                                    // before found, over the noise of observations, because the prior's deviations
+                                    // are added to those of the data, which are in pixels
 };
 
 // How far cameras that observations hold are from their places on the sphere: deviation of a coordinate, radii.

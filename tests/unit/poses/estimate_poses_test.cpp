@@ -107,6 +107,23 @@ double worst_step_deg(const std::vector<Camera>& found, const std::vector<Camera
   return worst;
 }
 
+// Steps that differ by as much as a hand strays from its circle: kept near it, cameras would turn to fit what they see.
+TEST(EstimatePoses, AreThoseOfAHandThatStrays) {
+  SweepPath path = short_path(0.65);
+  path.frames = 16;
+  path.arc_rad = 360 * kDegree;
+  path.fov_rad = 65 * kDegree;
+  path.position_jitter = 0.05;
+  path.seed = 1;
+  const Scene scene(make_scene("courtyard", 1));
+  const std::vector<Camera> truth = sweep_cameras(path);
+  std::vector<RgbImage> images;
+  for (const Camera& camera : truth) images.push_back(take_picture(scene, camera, PictureOptions{}, Job{}).colour);
+  const Poses poses = estimate_poses(Photos(std::move(images)), PosesOptions{}, Job{});
+  ASSERT_EQ(poses.cameras.size(), truth.size());
+  EXPECT_LT(worst_step_deg(poses.cameras, truth), 0.1);
+}
+
 struct AmongPeople {
   Poses poses;
   double worst_step_deg;

@@ -241,7 +241,7 @@ KnownSweep wandering() {
   return known;
 }
 
-TEST(IterativeRefinement, BelieveInAThoroughEndThatAHandLeavesItsCircleAsFarAsItSeemed) {
+TEST(IterativeRefinement, BelievesThatAHandLeavesItsCircleAsFarAsItSeemed) {
   KnownSweep known = wandering();
   const std::vector<Track> tracks = known.found.tracks;
   IterativeRefinement refinement(known.sweep, {}, Job{}), free = refinement;
@@ -251,7 +251,6 @@ TEST(IterativeRefinement, BelieveInAThoroughEndThatAHandLeavesItsCircleAsFarAsIt
   const double scatter = scatter_about_arc(unheld);
   refinement.iterate(tracks, kKltTolerances_px[0], kArcSigma, known.found);
   const double held_back = scatter - scatter_about_arc(known.found);
-  refinement.reweight_tracks_at_end();
   refinement.iterate(tracks, kKltTolerances_px[1], kArcSigma, known.found);
   EXPECT_GT(held_back, 0.05 * scatter);
   EXPECT_LT(std::abs(scatter - scatter_about_arc(known.found)), 0.3 * held_back);
