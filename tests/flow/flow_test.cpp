@@ -93,8 +93,7 @@ TEST_P(RealSweep, IsPosedWholeAndItsMatchesAgree) {
 
 INSTANTIATE_TEST_SUITE_P(Photos, RealSweep,
                          testing::Values(Photos{"atrium_360", 24 * 1300 / 36.},
-                                         Photos{"atrium_360", 24 * 1300 / 36., "0.7", 0.5},
-                                         Photos{"desk_sweep", 0}));
+                                         Photos{"atrium_360", 24 * 1300 / 36., "0.7", 0.5}, Photos{"desk_sweep", 0}));
 
 TEST_F(Flow, TheSameSweepAndBuildGiveTheSameBytesAtAnyThreadCount) {
   const std::string from = capture();
