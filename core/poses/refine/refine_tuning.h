@@ -13,7 +13,8 @@ constexpr double kCoarseTolerance_px = 12, kMediumTolerance_px = 5,  // pixels o
 constexpr double kMatchTolerances_px[] = {kCoarseTolerance_px, kMediumTolerance_px, kFineTolerance_px};
 constexpr double kKltTolerances_px[] = {4, 2};             // and on tracks by KLT
 constexpr double kTightArcSigma = 0.02, kArcSigma = 0.05;  // at first and later: what walks by is told from what stands
-                                                           // as long as cameras are kept near their circle
+                                                           // as long as cameras are kept near their circle;
+                                                           // tracks by KLT may tell of more scatter
 constexpr double kWideArcSigma = 0.2;                      // for hands that leave it
 constexpr double kNoArcSigma = 1e3;                        // for paths that are none
 constexpr int kWellObserved = 150;                         // observations by KLT that a frame is content with

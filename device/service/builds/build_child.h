@@ -52,7 +52,7 @@ class BuildChild {
   std::optional<std::string> take_remark() { return std::exchange(remark_, std::nullopt); }
   void read_errors();
   void tell(const std::string& line);  // throws std::system_error when it does not listen
-  std::optional<BuildEnd> end();       // none while it runs
+  std::optional<BuildEnd> end();       // none while it runs; what is read after it is all that it said
   void kill();
 
  private:

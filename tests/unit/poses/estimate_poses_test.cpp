@@ -32,6 +32,12 @@ class Photos : public FrameSource {
   std::vector<RgbImage> images_;
 };
 
+Photos photos_of(const Scene& scene, const std::vector<Camera>& cameras) {
+  std::vector<RgbImage> images;
+  for (const Camera& camera : cameras) images.push_back(take_picture(scene, camera, PictureOptions{}, Job{}).colour);
+  return Photos(std::move(images));
+}
+
 struct Rendered {
   std::vector<Camera> cameras;
   std::vector<RgbImage> images;
@@ -117,9 +123,7 @@ TEST(EstimatePoses, AreThoseOfAHandThatStrays) {
   path.seed = 1;
   const Scene scene(make_scene("courtyard", 1));
   const std::vector<Camera> truth = sweep_cameras(path);
-  std::vector<RgbImage> images;
-  for (const Camera& camera : truth) images.push_back(take_picture(scene, camera, PictureOptions{}, Job{}).colour);
-  const Poses poses = estimate_poses(Photos(std::move(images)), PosesOptions{}, Job{});
+  const Poses poses = estimate_poses(photos_of(scene, truth), PosesOptions{}, Job{});
   ASSERT_EQ(poses.cameras.size(), truth.size());
   EXPECT_LT(worst_step_deg(poses.cameras, truth), 0.1);
 }
@@ -354,9 +358,7 @@ TEST(EstimatePoses, RecognisesARotationOfAHandThatShakes) {
     path.seed = c.seed;
     const Scene scene(make_scene(c.scene, c.seed));
     const std::vector<Camera> truth = sweep_cameras(path);
-    std::vector<RgbImage> images;
-    for (const Camera& camera : truth) images.push_back(take_picture(scene, camera, PictureOptions{}, Job{}).colour);
-    const Poses poses = estimate_poses(Photos(images), PosesOptions{}, Job{});
+    const Poses poses = estimate_poses(photos_of(scene, truth), PosesOptions{}, Job{});
     EXPECT_EQ(poses.report.motion, Motion::rotation) << c.scene << c.seed;
     EXPECT_NEAR(poses.cameras[0].intrinsics.fx / truth[0].intrinsics.fx, 1, 0.015) << c.scene << c.seed;
   }
@@ -374,9 +376,7 @@ TEST(EstimatePoses, RecognisesARotationAllRoundThroughALensThatBends) {
   path.width = 300, path.height = 400;
   path.k1 = -0.18;
   const std::vector<Camera> truth = sweep_cameras(path);
-  std::vector<RgbImage> images;
-  for (const Camera& camera : truth) images.push_back(take_picture(scene, camera, PictureOptions{}, Job{}).colour);
-  const Poses poses = estimate_poses(Photos(images), PosesOptions{}, Job{});
+  const Poses poses = estimate_poses(photos_of(scene, truth), PosesOptions{}, Job{});
   EXPECT_EQ(poses.report.motion, Motion::rotation);
   EXPECT_EQ(poses.report.doubt, "");
   ASSERT_EQ(poses.cameras.size(), truth.size());
