@@ -36,8 +36,8 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_flag("--blink", arguments.blink, "only blink the LED that the file names, as after a failure, for ever");
 }
 
-void complain(const std::exception& error) {
-  std::fprintf(stderr, "ldp-card: %s\n", ldp::printable(error.what()).c_str());
+void complain(const std::exception& error, const char* remedy = "") {
+  std::fprintf(stderr, "ldp-card: %s%s\n", ldp::printable(error.what()).c_str(), remedy);
 }
 
 ldp::CheckedCard read_card(const fs::path& file) {
@@ -106,7 +106,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    complain(error);
+    complain(error, ": see ldp-card --help");
     return kBadArguments;
   }
   try {

@@ -119,7 +119,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return with_all_printed(app.exit(error));
-    std::fprintf(stderr, "ldpd: %s\n", ldp::printable(error.what()).c_str());
+    std::fprintf(stderr, "ldpd: %s: see ldpd --help\n", ldp::printable(error.what()).c_str());
     return kBadArguments;
   }
   try {

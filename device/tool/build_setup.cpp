@@ -16,6 +16,7 @@
 #include "device/tool/number_within.h"
 #include "device/tool/output.h"
 #include "device/tool/session.h"
+#include "device/tool/switches.h"
 
 namespace ldp {
 namespace {
@@ -59,7 +60,19 @@ void check_cameras(const std::string& cameras) {
   }
 }
 
+// A name with spaces comes as several where it lacks quotes.
+void check_names(const std::vector<std::string>& captures) {
+  std::string together;
+  for (const std::string& name : captures) {
+    if (name.empty()) throw BadInput("the name of a capture is empty: give a folder of photos");
+    together += (together.empty() ? "" : " ") + name;
+  }
+  if (captures.size() > 1 && !std::filesystem::exists(captures.front()) && std::filesystem::exists(together))
+    throw BadInput(together + ": is one name, with spaces: write " + in_shell({together}));
+}
+
 Intake take_in(const BuildSetup& setup, const Job& job) {
+  check_names(setup.captures);
   IntakeOptions options{setup.scratch, frames_options(setup).max_pixels, std::nullopt};
   if (setup.fov_deg > 0 && setup.turn_deg % 180 == 0) options.fov_rad = setup.fov_deg * std::numbers::pi / 180;
   return {setup.captures, options, job};
@@ -98,7 +111,7 @@ void add_capture_options(CLI::App& command, BuildSetup& setup) {
                   "--fov and the cameras that are written are of the turned photos")
       ->check(CLI::IsMember({0, 90, 180, 270}))
       ->capture_default_str();
-  command.add_option("--seed", setup.build.poses.seed, "Of every random choice")
+  command.add_option("--seed", setup.build.poses.seed, "Seed of every random choice")
       ->check(whole_within(0U, std::numeric_limits<unsigned>::max()))
       ->capture_default_str();
 }

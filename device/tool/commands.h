@@ -17,6 +17,7 @@ struct Failure {
 
 struct Program {
   CLI::App app;
+  std::string name;  // ldp or ldp-device
   Session session;
   std::string command;                         // name of the one chosen
   std::function<int()> chosen;                 // returns the exit status

@@ -31,7 +31,15 @@ const CLI::App* command_of(const CLI::App& app, const std::string& name) {
   return named.empty() ? nullptr : named.front();
 }
 
-std::string name_of(const Program& program) { return program.command.empty() ? "ldp" : "ldp " + program.command; }
+std::string name_of(const Program& program) {
+  return program.command.empty() ? program.name : program.name + " " + program.command;
+}
+
+// `ldp`, which ldp-device is called where that took over.
+std::string own_name(int argc, char** argv) {
+  const std::string called = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : std::string();
+  return called == "ldp-device" ? called : "ldp";
+}
 
 std::string line_from(const Program& program, const std::string& message) {
   std::string line = name_of(program) + ": " + message;
@@ -63,18 +71,27 @@ std::string out_of_memory(const Program& program) {
   return "not enough memory: " + remedy;
 }
 
+// The parser asks for what is missing before it tells of what it does not know, a misspelt option among it.
+std::string complaint_of(const CLI::ParseError& error, const CLI::App* command) {
+  if (command == nullptr || error.get_name() != "RequiredError") return error.what();
+  const std::vector<std::string> unknown = command->remaining();
+  const auto option =
+      std::find_if(unknown.begin(), unknown.end(), [](const std::string& word) { return word.starts_with('-'); });
+  return option == unknown.end() ? error.what() : CLI::ExtrasError({*option}).what();
+}
+
 int parse(Program& program, int argc, char** argv) {
   const std::string first = argc > 1 ? argv[1] : "-";
   if (!first.starts_with('-') && command_of(program.app, first) == nullptr)
-    return complain(program, "there is no command '" + first + "': see ldp --help", kBadInput);
+    return complain(program, "there is no command '" + first + "': see " + program.name + " --help", kBadInput);
   try {
     program.app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // help or version
     return program.app.exit(request);
   } catch (const CLI::ParseError& error) {
-    if (command_of(program.app, first) != nullptr) program.command = first;
-    const std::string help = program.command.empty() ? "ldp --help" : "ldp " + program.command + " --help";
-    return complain(program, std::string(error.what()) + ": see " + help, kBadInput);
+    const CLI::App* const command = command_of(program.app, first);
+    if (command != nullptr) program.command = first;
+    return complain(program, complaint_of(error, command) + ": see " + name_of(program) + " --help", kBadInput);
   }
   return kDone;
 }
@@ -172,8 +189,9 @@ int main(int argc, char** argv) try {
   ldp::return_freed_memory();
   ldp::Interrupt interrupt;
   ldp::Program program;
+  program.name = ldp::own_name(argc, argv);
   program.app.description("Layered depth panoramas: from one arm's-length sweep of a camera to views with parallax");
-  program.app.set_version_flag("--version", "ldp " LDP_VERSION);
+  program.app.set_version_flag("--version", program.name + " " LDP_VERSION);
   program.app.require_subcommand(1);
   program.session.stop = interrupt.token();
   ldp::add_commands(program);

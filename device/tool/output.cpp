@@ -1,5 +1,6 @@
 #include "device/tool/output.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -46,6 +47,19 @@ void check_folder_takes_files(const fs::path& folder, const fs::path& shown) {
 [[noreturn]] void refuse_place(const std::error_code& code, const std::string& said) {
   if (is_machine_fault(code)) throw MachineFault(said);
   throw Impossible(said + ": choose another folder to write to");
+}
+
+// Root may write everywhere, but in some folders no files can be made (/proc). One without a name is tried first.
+void check_file_can_be_made(const fs::path& file) {
+  const fs::path folder = without_trailing_slash(file).parent_path(), named = name_beside(file, ".", ".tmp");
+  int descriptor = ::open(folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0600);
+  if (descriptor < 0) {
+    descriptor = ::open(named.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    if (descriptor < 0)
+      refuse_place({errno, std::generic_category()}, "cannot write " + file.string() + ": " + std::strerror(errno));
+    ::unlink(named.c_str());
+  }
+  ::close(descriptor);
 }
 
 // Two to four letters or digits after the dot, a letter among them: .ldp, .gz and .webp are; .5 and .views are not.
@@ -106,8 +120,11 @@ void check_output_file(const fs::path& file) {
   std::error_code error;
   if (file.empty()) throw BadInput("the name of an output is empty: give the name of a file");
   if (fs::is_directory(file, error)) throw BadInput(file.string() + ": is a folder: give the name of a file");
+  if (!file.has_filename())
+    throw BadInput(file.string() + ": is the name of a folder, by the slash at its end: give the name of a file");
   if (fs::exists(file, error) && !fs::is_regular_file(file, error)) return;  // a pipe or device
   check_folder_takes_files(without_trailing_slash(file).parent_path(), file);
+  check_file_can_be_made(file);
 }
 
 void check_output_file(const fs::path& file, const std::string& extension) {

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Mistakes of a card have status 78 on a full disk too, a report that alone cannot be written has 1; so has a secret.
+# Mistakes of a card have status 78 on a full disk too, a report that alone cannot be written has 1; so has a secret. What else it says.
 #   card_check.sh LDP_CARD
 room=$(mktemp -d)
 trap 'rm -rf "$room"' EXIT
@@ -35,3 +35,7 @@ cp "$room/wrong.toml" "$odd"
 "$card" "$odd" 2>"$room/said"
 grep -q 'odd\\x1b.toml:1: ' "$room/said" || { cat -v "$room/said"; exit 1; }
 ! grep -q "$(printf '\033')" "$room/said" || { cat -v "$room/said"; exit 1; }
+
+"$card" --hel 2>"$room/said"
+status=$?
+[ $status = 2 ] && grep -q '^ldp-card: .*: see ldp-card --help$' "$room/said" || { echo "status $status"; cat "$room/said"; exit 1; }

@@ -388,6 +388,8 @@ TEST_F(Flow, AnOutputThatTheSystemRefusesIsToldWithWhatToDo) {
   expect_refusal(
       {"export", LDP_SOURCE "/tests/golden/tiny.ldp", "-o", "/proc/x.png"}, 1,
       "ldp export: cannot write /proc/x.png: No such file or directory: choose another folder to write to\n");
+  expect_refusal({"build", path("none"), "-o", "/proc/x.ldp"}, 1, "ldp build: cannot write /proc/x.ldp");
+  expect_refusal({"build", path("none"), "-o", path("room.ldp/")}, 2, "room.ldp/: is the name of a folder");
 }
 
 TEST_F(Flow, RefusesUnknownWordsAndBadValuesInOneLine) {
@@ -400,6 +402,27 @@ TEST_F(Flow, RefusesUnknownWordsAndBadValuesInOneLine) {
     expect_refusal(words, 2, "no scene is called 'moon'; there are courtyard, ");
   expect_refusal({"scene", "room", "-o", path("room"), "--size", "9x9"}, 2, "--size");
   expect_refusal({"render", path("none.ldp"), "--path", "sway", "-o", path("views")}, 2, "none.ldp");
+  expect_refusal({"render", path("none.ldp"), "-o", path("views")}, 2, "none.ldp: there is no such file");
+  expect_refusal({"build", "--hel"}, 2, "not expected: --hel: see ldp build --help");
+  expect_refusal({"build"}, 2, "CAPTURE is required");
+  const std::vector<std::string> device{"bash", "-c", "exec \"${0%/*}/ldp-device\" \"$@\""};
+  expect_refusal({"watch", "--loud"}, 2, "ldp watch: ");
+  expect_refusal({"watch", "--loud"}, 2, "not expected: --loud: see ldp-device watch --help", device);
+  expect_refusal({"build"}, 2, "ldp-device: there is no command 'build': see ldp-device --help", device);
+}
+
+TEST_F(Flow, ANameWithSpacesThatLacksItsQuotesIsTold) {
+  fs::create_directories(path("my photos"));
+  expect_refusal({"build", path("my"), "photos", "-o", path("a.ldp")}, 2, "is one name, with spaces: write '");
+  expect_refusal({"build", path("their"), "photos", "-o", path("a.ldp")}, 2, "there is no such");
+  expect_refusal({"build", "", "-o", path("a.ldp")}, 2, "the name of a capture is empty");
+}
+
+TEST_F(Flow, ASummaryOfNothingSaysSo) {
+  fs::create_directories(path("builds"));
+  const Outcome summary = ldp({"summary", path("builds")});
+  EXPECT_EQ(summary.status, 0);
+  EXPECT_EQ(summary.err, "ldp summary: " + path("builds") + ": holds neither panoramas (.ldp) nor reports of builds\n");
 }
 
 TEST_F(Flow, NanIsNoNumberToAnyOption) {

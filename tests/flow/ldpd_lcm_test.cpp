@@ -74,7 +74,7 @@ TEST_F(LdpdTest, LdpWatchTellsASpeedOnceThereIsOne) {
     std::this_thread::sleep_for(milliseconds(10));
   }
   ASSERT_FALSE(watching.runs()) << text_of(printed);
-  EXPECT_THAT(text_of(printed), HasSubstr("guidance  keep going: 0 degrees, 1 frames\n"));
+  EXPECT_THAT(text_of(printed), HasSubstr("guidance  keep going: 0 degrees, 1 frame\n"));
   EXPECT_THAT(text_of(printed), HasSubstr("guidance  slower: 57 degrees, 29 degrees/s, 9 frames\n"));
 }
 

@@ -276,6 +276,16 @@ TEST_F(LdpdTest, AnUnknownKindOfDeviceIsRefusedAtOnce) {
   EXPECT_THAT(run.said, HasSubstr("--button: 'switch:1': no button of that kind; known: gpiod:, script:, keyboard:"));
 }
 
+TEST_F(LdpdTest, AWrongOptionAndAMissingConfigurationSayWhatToDo) {
+  const Finished option = Process({LDPD_PROGRAM, "--hel"}, room_ / "option").wait();
+  EXPECT_EQ(option.status, 2);
+  EXPECT_EQ(option.said, "ldpd: The following argument was not expected: --hel: see ldpd --help\n");
+  const std::string file = (room_ / "none.toml").string();
+  const Finished configuration = Process({LDPD_PROGRAM, "--config", file}, room_ / "configuration").wait();
+  EXPECT_EQ(configuration.status, 78);
+  EXPECT_EQ(configuration.said, file + ": cannot read the file (No such file or directory): check its name\n");
+}
+
 TEST_F(LdpdTest, EmptyNamesAreRefusedAndDoNotMeanTheDefaults) {
   const auto refused = [&](const std::string& option) {
     return Process({LDPD_PROGRAM, "--check-config", option, ""}, room_ / ("said" + option)).wait();

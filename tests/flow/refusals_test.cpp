@@ -155,7 +155,8 @@ TEST_F(Outputs, AnEmptyNameIsRefusedInOneLine) {
 }
 
 TEST_F(Outputs, WhatOnlyAPathHasIsRefusedWithCameras) {
-  const std::vector<std::string> words{"render", path("a.ldp"), "--cameras", path("views.json"), "-o", path("views")};
+  const std::vector<std::string> words{"render", small_panorama(), "--cameras", path("views.json"),
+                                       "-o",     path("views")};
   for (const auto& [option, value] : std::map<std::string, std::string>{
            {"--frames", "3"}, {"--size", "64x48"}, {"--fov", "50"}, {"--path", "sway"}}) {
     std::vector<std::string> all = words;

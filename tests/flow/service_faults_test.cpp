@@ -140,7 +140,7 @@ TEST_F(LdpdTest, AKeyboardThatHangsUpEndsASingleRunThatWaitsForIt) {
                   room_ / "said", [&] { terminal.become_input(); });
   ASSERT_TRUE(waiting.says("ready"));
   terminal.hang_up();
-  EXPECT_TRUE(waiting.says("ldp capture: the button was lost", 5)) << text_of(room_ / "said");
+  EXPECT_TRUE(waiting.says("ldp-device capture: the button was lost", 5)) << text_of(room_ / "said");
   EXPECT_TRUE(waiting.ends_within(5));
   EXPECT_EQ(waiting.stop(SIGKILL).status, 1);
   EXPECT_FALSE(fs::exists(room_ / "one"));

@@ -1,6 +1,8 @@
 #include "device/service/config/config.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <map>
 #include <set>
@@ -115,7 +117,8 @@ CheckedConfig parse_config(const std::string& toml_text, Inputs inputs) {
 CheckedConfig read_config(const std::filesystem::path& file, Inputs inputs) {
   std::ifstream in(file);
   in.peek();  // a folder fails here; an empty file is a good one
-  if (!in.is_open() || in.bad()) return {{}, {{0, "cannot read the file"}}};
+  if (!in.is_open() || in.bad())
+    return {{}, {{0, "cannot read the file (" + std::string(std::strerror(errno)) + "): check its name"}}};
   std::ostringstream text;
   text << in.rdbuf();
   return parse_config(text.str(), inputs);

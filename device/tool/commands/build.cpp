@@ -195,7 +195,7 @@ void add_build(Program& program) {
                     return run(*command, session);
                   });
   add_capture_options(app, command->setup);
-  app.add_option("-o,--output", command->output, "The .ldp file to write; needed but with --estimate");
+  app.add_option("-o,--output", command->output, "The .ldp file to write; only --estimate does without");
   add_build_options(app, command->setup);
   app.add_flag("--follow", command->follow,
                "Begin while CAPTURE is being taken: the name of each photo, once it is stored, as a line on standard "

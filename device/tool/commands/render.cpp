@@ -237,10 +237,10 @@ Rendered render_film(const RenderCommand& command, const Renderer& renderer, con
 }
 
 void check(const RenderCommand& command) {
+  check_input_file(command.input.file);
   if (command.cameras.empty() == command.path.empty())
     throw BadInput("give either --cameras FILE or --path sway|walk|dolly");
   if (command.exr) check_exr_is_built();
-  check_input_file(command.input.file);
   if (!command.cameras.empty()) check_input_file(command.cameras);
   if (names_a_film(command.output)) {
     if (command.options.depth)

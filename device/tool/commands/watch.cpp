@@ -14,6 +14,7 @@
 #include "core/geometry/degrees.h"
 #include "device/backends/open.h"
 #include "device/gallery/status_json.h"
+#include "device/service/reasons.h"
 #include "device/tool/commands.h"
 #include "device/tool/number_within.h"
 #include "drivers/interface/clocks.h"
@@ -34,8 +35,8 @@ using Json = nlohmann::ordered_json;
 
 std::string line_from(const Status& status) {
   return "status    " + std::string(name_of(status.phase)) + ": " + status.text + " (" +
-         std::to_string(status.frames_stored) + " frames stored, " + std::to_string(status.sweeps_left) +
-         " sweeps left)";
+         frames_text(status.frames_stored) + " stored, " + std::to_string(status.sweeps_left) +
+         (status.sweeps_left == 1 ? " sweep" : " sweeps") + " left)";
 }
 std::string line_from(const Progress& progress) {
   return "progress  " + progress.capture + " " + std::to_string(static_cast<int>(progress.fraction * 100)) + " % " +
@@ -47,7 +48,7 @@ std::string line_from(const Guidance& guidance) {
   if (const double degrees_s = guidance.speed_rad_s * kDegreesPerRadian; degrees_s >= 0.5)  // none, or none yet
     std::snprintf(speed, sizeof speed, ", %.0f degrees/s", degrees_s);
   return "guidance  " + std::string(name_of(guidance.advice)) + ": " + covered + speed + ", " +
-         std::to_string(guidance.frames_chosen) + " frames";
+         frames_text(guidance.frames_chosen);
 }
 std::string line_from(const Result& result) {
   std::string line =

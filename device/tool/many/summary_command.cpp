@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "core/base/markup_text.h"
 #include "core/captures/json_text.h"
 #include "device/tool/commands.h"
 #include "device/tool/many/build_outcomes.h"
@@ -25,6 +26,9 @@ int run(const SummaryCommand& command, const Session& session) {
     std::printf("%s\n", json_text(summary_json(outcomes), 1).c_str());
   else
     std::fputs(summary_table(outcomes).c_str(), stdout);
+  if (outcomes.empty())
+    std::fprintf(stderr, "ldp summary: %s: holds neither panoramas (.ldp) nor reports of builds\n",
+                 printable(command.folder).c_str());
   return kDone;
 }
 
