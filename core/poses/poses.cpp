@@ -266,7 +266,7 @@ void keep_what_covers_more(const std::function<Judged()>& reconstruct_spread, Ju
   }
 }
 
-bool is_of_another_lens(double exif_focal) { return std::abs(exif_focal - 1) > kMaxExifFocalError; }
+bool is_of_another_lens(double told_focal) { return std::abs(told_focal - 1) > kMaxToldFocalError; }
 
 Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs, const PosesOptions& options,
             const Job& job) {
@@ -280,6 +280,7 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
   Job again = job;
   again.progress = {};  // it has been told so far already
   const auto reconstruct_sweep = [&](const Job& of_this) {
+    selected.sweep.pairs = verified;
     Judged judged{reconstruct(selected.sweep, focal, of_this), {}, {}};
     judged.doubted = doubt(selected.sweep, judged.found, names, focal.has_value());
     judged.covered = coverage(selected.sweep, judged.found);
@@ -287,13 +288,12 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
     return judged;
   };
   Judged judged = reconstruct_sweep(job);
-  const double exif_focal = focal && !options.fov_rad ? focal->focal_px / judged.found.bundle.lens.focal_px : 1;
-  if (is_of_another_lens(exif_focal)) {  // its pull is left away
+  const double told_focal = focal ? focal->focal_px / judged.found.bundle.lens.focal_px : 1;
+  if (is_of_another_lens(told_focal)) {  // its pull is left away
     focal.reset();
     judged = reconstruct_sweep(again);
   }
   if (judged.may_be_wrong()) {
-    selected.sweep.pairs = verified;
     selected.sweep.track_grid = kSpreadTrackGrid;
     keep_what_covers_more([&] { return reconstruct_sweep(again); }, judged);
   }
@@ -308,7 +308,8 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
     report.posed = !found.left_out[i];
     report.left_out = found.left_out[i];
   }
-  poses.report.exif_focal = exif_focal;
+  poses.report.told_focal = told_focal;
+  poses.report.told_by_exif = !options.fov_rad;
   report_errors(found.bundle, selected.frame, poses.report);
   poses.report.doubt_kind = judged.doubted.kind;
   poses.report.doubt = judged.doubted.text;
@@ -336,11 +337,13 @@ bool begins_with(const FrameSource& source, int count, const std::vector<Frame>&
 
 }  // namespace
 
-std::string wrong_exif_lens(const PosesReport& report) {
-  const double ratio = report.exif_focal;
+std::string wrong_lens(const PosesReport& report) {
+  const double ratio = report.told_focal;
   if (report.doubt_kind != PoseDoubt::none || !is_of_another_lens(ratio)) return {};
-  return "EXIF tells a focal length of " + one_digit(ratio) +
-         " times what the photos show: they were cropped, or another program wrote it; what they show was taken";
+  const std::string of_photos = " a focal length of " + one_digit(ratio) + " times what the photos show: ";
+  return report.told_by_exif
+             ? "EXIF tells" + of_photos + "they were cropped, or another program wrote it; what they show was taken"
+             : "the field of view given is that of" + of_photos + "what they show was taken";
 }
 
 struct PoseEstimator::State {

@@ -55,11 +55,12 @@ struct PosesReport {
       1;  // share of the verified matches of neighbouring photos that fit the poses; 1 if cameras are told
   PoseDoubt doubt_kind = PoseDoubt::none;
   std::string doubt;      // the same in words, naming photos; empty when nothing says so
-  double exif_focal = 1;  // focal length that EXIF tells, of that found with it; 1 where it tells none or was not asked
+  double told_focal = 1;  // focal length that options or EXIF tell, of that found with it; 1 where they tell none
+  bool told_by_exif = false;
 };
 
-// What to say where EXIF speaks of another lens or another crop than the photos show; empty where it does not.
-std::string wrong_exif_lens(const PosesReport& report);
+// What to say where options or EXIF speak of another lens or another crop than the photos show; empty where not.
+std::string wrong_lens(const PosesReport& report);
 
 struct Poses {
   std::vector<Camera> cameras;       // posed frames only, in frame order, named after their frames

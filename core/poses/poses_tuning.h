@@ -7,7 +7,7 @@ namespace ldp::sfm {
 
 constexpr double kFovLogSigma = 0.15;        // of the logarithm of a focal length that someone told
 constexpr double kExifLogSigma = 0.05;       // of one that EXIF tells
-constexpr double kMaxExifFocalError = 0.15;  // of the one found: beyond, EXIF is of another lens or crop
+constexpr double kMaxToldFocalError = 0.15;  // of the one found: beyond, what was told is of another lens or crop
 constexpr int kWorkingSide_px = 1000;        // longer side of what is kept of a photo
 constexpr double kMaxPointDistance = 1e4;    // radii, or spreads of known cameras: points are put no farther
 

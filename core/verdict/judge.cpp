@@ -140,6 +140,7 @@ class Judge {
     const auto& photos = evidence_.photos;
     const DirectionEvidence all = everything();
     find_runs(QualityReason::blurred, options_.smear, [&](size_t i) { return smear_of(photos[i].measures); });
+    add(QualityReason::little_overlap, usual_shift(), options_.usual_shift, begin(), end());
     find_runs(QualityReason::little_overlap, options_.shift, [&](size_t i) { return photos[i].shift; });
     find_runs(QualityReason::exposure_jumps, options_.exposure, [&](size_t i) { return exposure_jump(evidence_, i); });
     if (grade_of(unexplained(all), options_.unexplained) != Grade::good)
@@ -184,6 +185,16 @@ class Judge {
     const auto at = noise.begin() + static_cast<std::ptrdiff_t>(noise.size() / 4);
     std::nth_element(noise.begin(), at, noise.end());
     return *at;
+  }
+
+  // Of the photographs but the first, which has none before it.
+  double usual_shift() const {
+    std::vector<double> shifts;
+    for (size_t i = 1; i < evidence_.photos.size(); ++i) shifts.push_back(evidence_.photos[i].shift);
+    if (shifts.empty()) return 0;
+    const auto middle = shifts.begin() + static_cast<std::ptrdiff_t>(shifts.size() / 2);
+    std::nth_element(shifts.begin(), middle, shifts.end());
+    return *middle;
   }
 
   static double unexplained(const PhotoEvidence& photo) {

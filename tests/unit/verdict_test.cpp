@@ -261,6 +261,20 @@ TEST(Judge, AStepAsideThatIsAlsoForwardIsNoWalk) {
   EXPECT_THAT(reasons(judge(evidence)), testing::Contains(QualityReason::moved_forward)) << "its poses do not count";
 }
 
+TEST(Judge, StepsThatAreWideThroughoutAreToldOnceSingleOnesAreNot) {
+  const auto with = [](int wide) {
+    SweepEvidence evidence = clean_sweep();
+    for (int i = 1; i <= wide; ++i) evidence.photos[static_cast<size_t>(i)].shift = 0.42;
+    return evidence;
+  };
+  EXPECT_TRUE(judge(with(5)).reasons.empty());
+  SweepEvidence all = with(13);
+  all.photos[4].shift = 0.5;
+  const SweepQuality quality = judge(all);
+  EXPECT_EQ(quality.grade, Grade::fair);
+  EXPECT_EQ(reasons(quality), std::vector{QualityReason::little_overlap});
+}
+
 TEST(Judge, StepsToAndFroAreNoWalk) {
   SweepEvidence evidence = clean_sweep();
   for (size_t i = 1; i < evidence.photos.size(); ++i) {

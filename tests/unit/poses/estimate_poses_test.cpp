@@ -276,7 +276,7 @@ TEST(EstimatePoses, PhotosOfAnotherSizeTellNothingOfTheLens) {
   for (size_t i = 2; i < 9; ++i) hints[i].reset();  // one alone says it, of three that tell something
   const Poses by_hints = estimate_poses(HintedPhotos(images, hints), PosesOptions{}, Job{});
   ASSERT_EQ(by_hints.cameras.size(), 8U);
-  EXPECT_NEAR(by_hints.report.exif_focal, 1, 0.02);
+  EXPECT_NEAR(by_hints.report.told_focal, 1, 0.02);
   PosesOptions told;
   told.fov_rad = 2 * std::atan(0.5 * k.width / k.fx);
   const Poses by_view = estimate_poses(Photos(images), told, Job{}),
@@ -328,11 +328,25 @@ TEST(EstimatePoses, TellsOfExifThatSpeaksOfAnotherLens) {
   const auto with = [&](double factor) {
     return estimate_poses(WithExif(images, factor * truth.fx / truth.width), PosesOptions{}, Job{});
   };
-  EXPECT_EQ(wrong_exif_lens(with(1.1).report), "");
-  EXPECT_EQ(wrong_exif_lens(estimated().report), "");
+  EXPECT_EQ(wrong_lens(with(1.1).report), "");
+  EXPECT_EQ(wrong_lens(estimated().report), "");
   const Poses wrong = with(1.5);
   EXPECT_NEAR(wrong.cameras[0].intrinsics.fx / truth.fx, 1, 0.01);
-  EXPECT_THAT(wrong_exif_lens(wrong.report), HasSubstr("EXIF tells a focal length of 1.5"));
+  EXPECT_THAT(wrong_lens(wrong.report), HasSubstr("EXIF tells a focal length of 1.5"));
+}
+
+// Its pull would bend the weakest joint of a sweep.
+TEST(EstimatePoses, TellsOfAFieldOfViewThatIsOfAnotherLens) {
+  const Intrinsics truth = estimated().cameras[0].intrinsics;
+  const auto with = [&](double factor) {
+    PosesOptions told;
+    told.fov_rad = 2 * std::atan(0.5 * truth.width / (factor * truth.fx));
+    return estimate_poses(Photos(rendered(0.65).images), told, Job{});
+  };
+  EXPECT_EQ(wrong_lens(with(1.1).report), "");
+  const Poses wrong = with(1.5);
+  EXPECT_NEAR(wrong.cameras[0].intrinsics.fx / truth.fx, 1, 1e-9) << "as if none had been told";
+  EXPECT_THAT(wrong_lens(wrong.report), HasSubstr("the field of view given is that of a focal length of 1.5 times"));
 }
 
 TEST(EstimatePoses, RecognisesARotationOnTheSpot) {
