@@ -74,7 +74,7 @@ class Build {
       poses_ = options_.cameras.empty() ? estimate_poses(frames_, std::move(begun_), job_)
                                         : triangulate(frames_, options_.cameras, options_.poses, job_);
     if (!poses_.report.doubt.empty()) report_.notes.push_back("the poses may be wrong: " + poses_.report.doubt);
-    if (const std::string what = wrong_lens(poses_.report); !what.empty()) report_.notes.push_back(what);
+    if (const std::string what = wrong_lens(poses_); !what.empty()) report_.notes.push_back(what);
     watch_.lap("poses");
   }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <iterator>
 #include <map>
+#include <numbers>
 
 #include "core/poses/coverage.h"
 #include "core/poses/features/features.h"
@@ -266,6 +267,19 @@ void keep_what_covers_more(const std::function<Judged()>& reconstruct_spread, Ju
   }
 }
 
+// What is told of another lens than was found pulls at the cameras. Without it they are found anew, and stay unless
+// that is impossible, or doubtful where the first ones were not.
+bool is_found_without(const std::function<Judged()>& reconstruct_freely, Judged& first) {
+  try {
+    Judged second = reconstruct_freely();
+    if (second.doubted.kind != PoseDoubt::none && first.doubted.kind == PoseDoubt::none) return false;
+    first = std::move(second);
+    return true;
+  } catch (const Impossible&) {
+    return false;
+  }
+}
+
 bool is_of_another_lens(double told_focal) { return std::abs(told_focal - 1) > kMaxToldFocalError; }
 
 Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs, const PosesOptions& options,
@@ -288,10 +302,10 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
     return judged;
   };
   Judged judged = reconstruct_sweep(job);
-  const double told_focal = focal ? focal->focal_px / judged.found.bundle.lens.focal_px : 1;
-  if (is_of_another_lens(told_focal)) {  // its pull is left away
+  double told_focal = focal ? focal->focal_px / judged.found.bundle.lens.focal_px : 1;
+  if (const std::optional<FocalPrior> told = focal; is_of_another_lens(told_focal)) {
     focal.reset();
-    judged = reconstruct_sweep(again);
+    if (!is_found_without([&] { return reconstruct_sweep(again); }, judged)) focal = told, told_focal = 1;
   }
   if (judged.may_be_wrong()) {
     selected.sweep.track_grid = kSpreadTrackGrid;
@@ -337,13 +351,16 @@ bool begins_with(const FrameSource& source, int count, const std::vector<Frame>&
 
 }  // namespace
 
-std::string wrong_lens(const PosesReport& report) {
-  const double ratio = report.told_focal;
-  if (report.doubt_kind != PoseDoubt::none || !is_of_another_lens(ratio)) return {};
-  const std::string of_photos = " a focal length of " + one_digit(ratio) + " times what the photos show: ";
-  return report.told_by_exif
-             ? "EXIF tells" + of_photos + "they were cropped, or another program wrote it; what they show was taken"
-             : "the field of view given is that of" + of_photos + "what they show was taken";
+std::string wrong_lens(const Poses& poses) {
+  const double ratio = poses.report.told_focal;
+  if (!is_of_another_lens(ratio)) return {};
+  if (poses.report.told_by_exif)
+    return "EXIF tells a focal length of " + one_digit(ratio) +
+           " times what the photos show: they were cropped, or another program wrote it; what they show was taken";
+  const Intrinsics& lens = poses.cameras.front().intrinsics;
+  const double view_deg = 2 * std::atan(0.5 * lens.width / lens.fx) * 180 / std::numbers::pi;
+  return "the photos show a field of view of " + one_digit(view_deg) +
+         " degrees, which was taken instead of the one given: correct it";
 }
 
 struct PoseEstimator::State {

@@ -55,12 +55,10 @@ struct PosesReport {
       1;  // share of the verified matches of neighbouring photos that fit the poses; 1 if cameras are told
   PoseDoubt doubt_kind = PoseDoubt::none;
   std::string doubt;      // the same in words, naming photos; empty when nothing says so
-  double told_focal = 1;  // focal length that options or EXIF tell, of that found with it; 1 where they tell none
+  double told_focal = 1;  // focal length that options or EXIF tell, of that found with it; 1 where they tell none, or
+                          // what is more than a little off stayed, since nothing better was found without
   bool told_by_exif = false;
 };
-
-// What to say where options or EXIF speak of another lens or another crop than the photos show; empty where not.
-std::string wrong_lens(const PosesReport& report);
 
 struct Poses {
   std::vector<Camera> cameras;       // posed frames only, in frame order, named after their frames
@@ -69,6 +67,9 @@ struct Poses {
   std::vector<std::vector<Eigen::Vector2d>> sightings;  // of each point in its cameras, pixels
   PosesReport report;
 };
+
+// What to say where options or EXIF spoke of another lens or another crop than the photos show; empty where not.
+std::string wrong_lens(const Poses& poses);
 
 // Throws Impossible when fewer than 3 frames can be connected, naming the reason.
 Poses estimate_poses(const FrameSource& frames, const PosesOptions& options, const Job& job);

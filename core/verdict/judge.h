@@ -18,7 +18,7 @@ struct JudgeOptions {
   Bounds smear{0.12, 0.35};            // blur of one axis, more than the other has and than sharp edges
   Bounds dark_noise{3.5, 12};          // noise that even exposure would show [levels]
   Bounds shift{0.47, 0.65};            // from photograph to photograph, in widths
-  Bounds usual_shift{0.38, 0.6};       // the same, the median
+  Bounds usual_shift{0.38, 0.65};      // the same, the median
   Bounds left_out{0.2, 0.6};           // share of the photographs
   Bounds exposure{1.0, 4.0};           // from photograph to photograph, factors of two
   Bounds outward{0.6, 0.7};            // share of the parallax that points away from the middle

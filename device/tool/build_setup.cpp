@@ -60,19 +60,8 @@ void check_cameras(const std::string& cameras) {
   }
 }
 
-// A name with spaces comes as several where it lacks quotes.
-void check_names(const std::vector<std::string>& captures) {
-  std::string together;
-  for (const std::string& name : captures) {
-    if (name.empty()) throw BadInput("the name of a capture is empty: give a folder of photos");
-    together += (together.empty() ? "" : " ") + name;
-  }
-  if (captures.size() > 1 && !std::filesystem::exists(captures.front()) && std::filesystem::exists(together))
-    throw BadInput(together + ": is one name, with spaces: write " + in_shell({together}));
-}
-
 Intake take_in(const BuildSetup& setup, const Job& job) {
-  check_names(setup.captures);
+  check_names(setup);
   IntakeOptions options{setup.scratch, frames_options(setup).max_pixels, std::nullopt};
   if (setup.fov_deg > 0 && setup.turn_deg % 180 == 0) options.fov_rad = setup.fov_deg * std::numbers::pi / 180;
   return {setup.captures, options, job};
@@ -84,6 +73,18 @@ FolderFrames frames_of(const Intake& intake, const BuildSetup& setup) {
 }
 
 }  // namespace
+
+void check_names(const BuildSetup& setup) {
+  std::string together;
+  for (const std::string& name : setup.captures) {
+    if (name.empty()) throw BadInput("the name of a capture is empty: give a folder of photos");
+    together += (together.empty() ? "" : " ") + name;
+  }
+  std::error_code unknown;
+  if (setup.captures.size() > 1 && !std::filesystem::exists(setup.captures.front(), unknown) &&
+      std::filesystem::exists(together, unknown))
+    throw BadInput(together + ": is one name, with spaces: write " + in_shell({together}));
+}
 
 std::string BuildSetup::capture() const {
   return captures.size() == 1 ? captures.front()

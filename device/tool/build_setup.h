@@ -42,6 +42,9 @@ struct PreparedBuild {
 FolderFrames open_photos(const BuildSetup& setup, std::vector<PhotoFile> photos);
 PosesOptions poses_options(const BuildSetup& setup, const CaptureNotes& notes, const FolderFrames& frames);
 
+// Throws BadInput where a capture has no name, or parts of one with spaces that lacks its quotes.
+void check_names(const BuildSetup& setup);
+
 // Reads what the options name, and unpacks it. Throws BadInput or std::runtime_error.
 PreparedBuild prepare(const BuildSetup& setup, const Job& job);
 

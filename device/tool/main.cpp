@@ -72,12 +72,11 @@ std::string out_of_memory(const Program& program) {
 }
 
 // The parser asks for what is missing before it tells of what it does not know, a misspelt option among it.
-std::string complaint_of(const CLI::ParseError& error, const CLI::App* command) {
-  if (command == nullptr || error.get_name() != "RequiredError") return error.what();
-  const std::vector<std::string> unknown = command->remaining();
-  const auto option =
-      std::find_if(unknown.begin(), unknown.end(), [](const std::string& word) { return word.starts_with('-'); });
-  return option == unknown.end() ? error.what() : CLI::ExtrasError({*option}).what();
+std::string complaint_of(const CLI::ParseError& error, const CLI::App& command) {
+  if (error.get_name() != "RequiredError") return error.what();
+  for (const std::string& word : command.remaining(true))
+    if (word.starts_with('-') && word != "--") return CLI::ExtrasError({word}).what();
+  return error.what();
 }
 
 int parse(Program& program, int argc, char** argv) {
@@ -89,9 +88,8 @@ int parse(Program& program, int argc, char** argv) {
   } catch (const CLI::Success& request) {  // help or version
     return program.app.exit(request);
   } catch (const CLI::ParseError& error) {
-    const CLI::App* const command = command_of(program.app, first);
-    if (command != nullptr) program.command = first;
-    return complain(program, complaint_of(error, command) + ": see " + name_of(program) + " --help", kBadInput);
+    if (command_of(program.app, first) != nullptr) program.command = first;
+    return complain(program, complaint_of(error, program.app) + ": see " + name_of(program) + " --help", kBadInput);
   }
   return kDone;
 }

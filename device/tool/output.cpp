@@ -51,7 +51,9 @@ void check_folder_takes_files(const fs::path& folder, const fs::path& shown) {
 
 // Root may write everywhere, but in some folders no files can be made (/proc). One without a name is tried first.
 void check_file_can_be_made(const fs::path& file) {
-  const fs::path folder = without_trailing_slash(file).parent_path(), named = name_beside(file, ".", ".tmp");
+  std::error_code unknown;
+  const fs::path target = fs::exists(file, unknown) ? fs::canonical(file) : file;  // of a link
+  const fs::path folder = without_trailing_slash(target).parent_path(), named = name_beside(target, ".", ".tmp");
   int descriptor = ::open(folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0600);
   if (descriptor < 0) {
     descriptor = ::open(named.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);

@@ -21,7 +21,8 @@ void check_input(const std::filesystem::path& file);
 // And when it is a pipe, which would be waited for, or a device.
 void check_input_file(const std::filesystem::path& file);
 
-// Throws BadInput when `file` could not be written: its folder is missing or read-only, or it is a folder itself.
+// Throws BadInput when `file` could not be written: its folder is missing or read-only, or it is a folder itself;
+// Impossible or MachineFault where the system makes no file there.
 void check_output_file(const std::filesystem::path& file);
 
 // And when it is named like a file of another kind than ".ldp", say: it may be a photo that a slip of the hand would

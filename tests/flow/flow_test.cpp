@@ -404,7 +404,9 @@ TEST_F(Flow, RefusesUnknownWordsAndBadValuesInOneLine) {
   expect_refusal({"render", path("none.ldp"), "--path", "sway", "-o", path("views")}, 2, "none.ldp");
   expect_refusal({"render", path("none.ldp"), "-o", path("views")}, 2, "none.ldp: there is no such file");
   expect_refusal({"build", "--hel"}, 2, "not expected: --hel: see ldp build --help");
-  expect_refusal({"build"}, 2, "CAPTURE is required");
+  expect_refusal({"--hel"}, 2, "ldp: The following argument was not expected: --hel: see ldp --help");
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"build"}, {"build", "--"}})
+    expect_refusal(words, 2, "CAPTURE is required");
   const std::vector<std::string> device{"bash", "-c", "exec \"${0%/*}/ldp-device\" \"$@\""};
   expect_refusal({"watch", "--loud"}, 2, "ldp watch: ");
   expect_refusal({"watch", "--loud"}, 2, "not expected: --loud: see ldp-device watch --help", device);
@@ -415,6 +417,8 @@ TEST_F(Flow, ANameWithSpacesThatLacksItsQuotesIsTold) {
   fs::create_directories(path("my photos"));
   expect_refusal({"build", path("my"), "photos", "-o", path("a.ldp")}, 2, "is one name, with spaces: write '");
   expect_refusal({"build", path("their"), "photos", "-o", path("a.ldp")}, 2, "there is no such");
+  expect_refusal({"build", path("my"), "photos"}, 2, "is one name, with spaces: write '");
+  expect_refusal({"build", path("0.jpg"), std::string(300, '1'), "-o", path("a.ldp")}, 2, "0.jpg: there is no such");
   expect_refusal({"build", "", "-o", path("a.ldp")}, 2, "the name of a capture is empty");
 }
 

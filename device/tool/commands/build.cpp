@@ -86,14 +86,22 @@ int judged(const BuildCommand& command, const SweepQuality& quality) {
   return kCannotBeDone;
 }
 
+// Of pipes (/dev/stdout) the names alone tell.
+bool is_same_place(const std::string& a, const std::string& b) {
+  std::error_code of_a, of_b;
+  const auto place = std::filesystem::weakly_canonical(a, of_a), other = std::filesystem::weakly_canonical(b, of_b);
+  return of_a || of_b ? a == b : place == other;
+}
+
 void check_outputs(const BuildCommand& command) {
   if (command.output.empty())
     throw BadInput("-o FILE.ldp is missing or empty: name the panorama to write, such as: ldp build " +
                    in_shell(command.setup.captures) + " -o room.ldp");
   check_output_file(command.output, OutputKind::panorama);
-  if (std::filesystem::weakly_canonical(command.report) == std::filesystem::weakly_canonical(command.output))
+  if (command.report.empty()) return;
+  if (is_same_place(command.report, command.output))
     throw BadInput(command.report + ": is named for the panorama and for the report: choose two names");
-  if (!command.report.empty()) check_output_file(command.report, OutputKind::report);
+  check_output_file(command.report, OutputKind::report);
 }
 
 void check_estimate(const BuildCommand& command) {
@@ -185,6 +193,7 @@ void add_build(Program& program) {
   CLI::App& app =
       add_command(program, "build", "Turn the photos of a sweep, or a film of it, into a layered depth panorama",
                   [command, &program](const Session& session) {
+                    check_names(command->setup);
                     if (command->estimate) {
                       check_estimate(*command);
                       return tell_estimate(command->setup, command->output, session);

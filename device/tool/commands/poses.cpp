@@ -115,7 +115,7 @@ int run(const PosesCommand& command, const Session& session) {
   if (!command.colmap.empty()) write_colmap(command.colmap, poses, colours);
   if (!command.output.empty()) write_text(command.output, transforms_json(poses.cameras));
   bar.reset();
-  for (const std::string& what : {sideways(poses.cameras), wrong_lens(poses.report)})
+  for (const std::string& what : {sideways(poses.cameras), wrong_lens(poses)})
     if (!what.empty()) std::fprintf(stderr, "ldp poses: %s\n", printable(with_switches(what)).c_str());
   if (session.json) {
     std::printf("%s\n", json_text(poses_json(poses.report), 1).c_str());

@@ -328,11 +328,11 @@ TEST(EstimatePoses, TellsOfExifThatSpeaksOfAnotherLens) {
   const auto with = [&](double factor) {
     return estimate_poses(WithExif(images, factor * truth.fx / truth.width), PosesOptions{}, Job{});
   };
-  EXPECT_EQ(wrong_lens(with(1.1).report), "");
-  EXPECT_EQ(wrong_lens(estimated().report), "");
+  EXPECT_EQ(wrong_lens(with(1.1)), "");
+  EXPECT_EQ(wrong_lens(estimated()), "");
   const Poses wrong = with(1.5);
   EXPECT_NEAR(wrong.cameras[0].intrinsics.fx / truth.fx, 1, 0.01);
-  EXPECT_THAT(wrong_lens(wrong.report), HasSubstr("EXIF tells a focal length of 1.5"));
+  EXPECT_THAT(wrong_lens(wrong), HasSubstr("EXIF tells a focal length of 1.5"));
 }
 
 // Its pull would bend the weakest joint of a sweep.
@@ -343,10 +343,10 @@ TEST(EstimatePoses, TellsOfAFieldOfViewThatIsOfAnotherLens) {
     told.fov_rad = 2 * std::atan(0.5 * truth.width / (factor * truth.fx));
     return estimate_poses(Photos(rendered(0.65).images), told, Job{});
   };
-  EXPECT_EQ(wrong_lens(with(1.1).report), "");
+  EXPECT_EQ(wrong_lens(with(1.1)), "");
   const Poses wrong = with(1.5);
   EXPECT_NEAR(wrong.cameras[0].intrinsics.fx / truth.fx, 1, 1e-9) << "as if none had been told";
-  EXPECT_THAT(wrong_lens(wrong.report), HasSubstr("the field of view given is that of a focal length of 1.5 times"));
+  EXPECT_THAT(wrong_lens(wrong), HasSubstr("degrees, which was taken instead of the one given"));
 }
 
 TEST(EstimatePoses, RecognisesARotationOnTheSpot) {
