@@ -26,6 +26,13 @@ double smear_of(const PhotoMeasures& photo) {
   return std::min(std::abs(photo.blur_x - photo.blur_y), std::max(photo.blur_x, photo.blur_y) - kSharpest);
 }
 
+// So many of the values are less, or as large.
+double ranked(std::vector<double> values, size_t rank) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 class Judge {
  public:
   Judge(const SweepEvidence& evidence, const JudgeOptions& options) : evidence_(evidence), options_(options) {}
@@ -182,19 +189,14 @@ class Judge {
     std::vector<double> noise;
     for (const PhotoEvidence& photo : evidence_.photos)
       noise.push_back((photo.measures.noise + kRounding) * kNoiseGrey / std::max(1.0, photo.measures.brightness));
-    const auto at = noise.begin() + static_cast<std::ptrdiff_t>(noise.size() / 4);
-    std::nth_element(noise.begin(), at, noise.end());
-    return *at;
+    return ranked(noise, noise.size() / 4);
   }
 
   // Of the photographs but the first, which has none before it.
   double usual_shift() const {
     std::vector<double> shifts;
     for (size_t i = 1; i < evidence_.photos.size(); ++i) shifts.push_back(evidence_.photos[i].shift);
-    if (shifts.empty()) return 0;
-    const auto middle = shifts.begin() + static_cast<std::ptrdiff_t>(shifts.size() / 2);
-    std::nth_element(shifts.begin(), middle, shifts.end());
-    return *middle;
+    return shifts.empty() ? 0 : ranked(shifts, shifts.size() / 2);
   }
 
   static double unexplained(const PhotoEvidence& photo) {

@@ -72,9 +72,9 @@ std::string out_of_memory(const Program& program) {
 }
 
 // The parser asks for what is missing before it tells of what it does not know, a misspelt option among it.
-std::string complaint_of(const CLI::ParseError& error, const CLI::App& command) {
+std::string complaint_of(const CLI::ParseError& error, const CLI::App& app) {
   if (error.get_name() != "RequiredError") return error.what();
-  for (const std::string& word : command.remaining(true))
+  for (const std::string& word : app.remaining(true))
     if (word.starts_with('-') && word != "--") return CLI::ExtrasError({word}).what();
   return error.what();
 }

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Mistakes of a card have status 78 on a full disk too, a report that alone cannot be written has 1; so has a secret. What else it says.
+# Mistakes of a card have status 78 on a full disk too, a report that alone cannot be written has 1; so has a secret.
+# Names are printed harmlessly, and a wrong option says where help is.
 #   card_check.sh LDP_CARD
 room=$(mktemp -d)
 trap 'rm -rf "$room"' EXIT
