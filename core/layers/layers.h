@@ -87,12 +87,12 @@ DisparityMap shifted(const PanoramaGrid& grid, const DisparityMap& layer, int ri
 enum class Lightness : uint8_t { as_around, lighter, darker };
 
 // Of each pixel of a layer, as the camera next to its ray shows it, against the mean of the square that reaches
-// `reach_px` from it (lightness.cpp).
+// `reach_px` from it (proposals/lightness.cpp).
 Plane<Lightness> lightness(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const DisparityMap& layer,
                            int reach_px, const Job& job);
 
-// Remembers of every pixel that is read which label is cheapest, and which ones nearly are (unsmoothed.cpp): smoothness
-// takes away what is thin.
+// Remembers of every pixel that is read which label is cheapest, and which ones nearly are (proposals/unsmoothed.cpp):
+// smoothness takes away what is thin.
 class CheapestLabels final : public CostSource {
  public:
   static constexpr uint8_t kUnread = 255;

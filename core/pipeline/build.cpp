@@ -15,6 +15,7 @@
 #include "core/consistency/consistency.h"
 #include "core/layers/layers.h"
 #include "core/layers/proposal_fusion.h"
+#include "core/layers/simpler_maps.h"
 #include "core/photos/exposure/local_exposure.h"
 #include "core/pipeline/code_layers.h"
 #include "core/pipeline/crop.h"
@@ -205,10 +206,16 @@ class Build {
       for (const int down : {px, -px}) offer(0, down);
     for (const int px : effort_.propagation_px)
       for (const auto& [right, down] : {std::pair(px, 0), {-px, 0}, {0, px}, {0, -px}}) offer(right, down);
+    fusion.simplify(simpler_than(layer), kDoubtReachPx, job_, layer);
+    absorb_specks(grid_, kFrontSpeckPx, layer);
+  }
+
+  DisparityMap simpler_than(const DisparityMap& layer) const {
     DisparityMap simpler = layer;
     absorb_specks(grid_, kDoubtfulPx, simpler);
-    fusion.simplify(simpler, kDoubtReachPx, job_, layer);
-    absorb_specks(grid_, kFrontSpeckPx, layer);
+    put_onto_planes(grid_, job_, simpler);
+    close_plain_tears(grid_, upright_, job_, simpler);
+    return simpler;
   }
 
   // What is lighter, or darker, than what is around it is offered the nearest and the farthest surface there: where a

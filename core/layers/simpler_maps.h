@@ -1,0 +1,23 @@
+// Simpler depth maps, for photographs to choose (ProposalFusion::simplify): they tell little of plain and of slanted
+// surfaces, so that steps, noise and tears in those are mostly chance.
+#pragma once
+
+#include <vector>
+
+#include "core/base/job.h"
+#include "core/geometry/disparity.h"
+#include "core/geometry/geometry.h"
+#include "core/photos/upright_frame.h"
+
+namespace ldp {
+
+// Puts pixels onto the plane that most of what is around them lies on, where that is no other surface
+// (proposals/plane_fits.cpp). Inverse depth on a plane is all but linear in columns and rows over a few degrees.
+void put_onto_planes(const PanoramaGrid& grid, const Job& job, DisparityMap& layer);
+
+// Makes a slope of steps in what the camera next to each ray shows as plain all around (proposals/plain_tears.cpp): a
+// step that photographs show has an edge in them, and what lies behind shows through one that they do not.
+void close_plain_tears(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const Job& job,
+                       DisparityMap& layer);
+
+}  // namespace ldp
