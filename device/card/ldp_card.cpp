@@ -87,9 +87,10 @@ void report(const fs::path& file, const ldp::CheckedCard& checked) {
 int run(const Arguments& arguments) {
   const ldp::CheckedCard checked = read_card(arguments.camera_toml);
   if (arguments.blink) blink(checked.settings);
+  const std::string shown = ldp::printable(arguments.camera_toml);
   for (const ldp::ConfigMistake& mistake : checked.mistakes)
-    std::fprintf(stderr, "%s:%d: %s\n", ldp::printable(arguments.camera_toml).c_str(), mistake.line,
-                 ldp::printable(mistake.text).c_str());
+    std::fprintf(stderr, "%s:%d: %s\n", shown.c_str(), mistake.line, ldp::printable(mistake.text).c_str());
+  if (!checked.there) std::fprintf(stderr, "ldp-card: there is no %s: the defaults hold\n", shown.c_str());
   if (!arguments.report.empty()) report(arguments.report, checked);
   if (!checked.mistakes.empty()) return kBadConfiguration;
   if (!arguments.output.empty()) write_files(checked.settings, arguments.output);

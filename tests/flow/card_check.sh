@@ -1,6 +1,6 @@
 #!/bin/sh
 # Mistakes of a card have status 78 on a full disk too, a report that alone cannot be written has 1; so has a secret.
-# Names are printed harmlessly, and a wrong option says where help is.
+# Names are printed harmlessly, a card that is not there is told, and a wrong option says where help is.
 #   card_check.sh LDP_CARD
 room=$(mktemp -d)
 trap 'rm -rf "$room"' EXIT
@@ -36,6 +36,8 @@ cp "$room/wrong.toml" "$odd"
 "$card" "$odd" 2>"$room/said"
 grep -q 'odd\\x1b.toml:1: ' "$room/said" || { cat -v "$room/said"; exit 1; }
 ! grep -q "$(printf '\033')" "$room/said" || { cat -v "$room/said"; exit 1; }
+
+"$card" "$room/nothing.toml" 2>"$room/said" && grep -q "^ldp-card: there is no $room/nothing.toml: the defaults hold$" "$room/said" || { cat "$room/said"; exit 1; }
 
 "$card" --hel 2>"$room/said"
 status=$?

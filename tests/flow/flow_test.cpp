@@ -420,6 +420,8 @@ TEST_F(Flow, ANameWithSpacesThatLacksItsQuotesIsTold) {
   expect_refusal({"build", path("my"), "photos"}, 2, "is one name, with spaces: write '");
   expect_refusal({"build", path("0.jpg"), std::string(300, '1'), "-o", path("a.ldp")}, 2, "0.jpg: there is no such");
   expect_refusal({"build", "", "-o", path("a.ldp")}, 2, "the name of a capture is empty");
+  expect_refusal({"info", ""}, 2, "ldp info: the name of a file is empty");
+  expect_refusal({"summary", ""}, 2, "ldp summary: the name of a folder is empty");
 }
 
 TEST_F(Flow, ASummaryOfNothingSaysSo) {

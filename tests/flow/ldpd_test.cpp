@@ -295,7 +295,9 @@ TEST_F(LdpdTest, EmptyNamesAreRefusedAndDoNotMeanTheDefaults) {
     EXPECT_EQ(run.status, 2) << option;
     EXPECT_THAT(run.said, HasSubstr(std::string(option) + ": "));
   }
-  EXPECT_EQ(refused("--config").status, 78);
+  const Finished unnamed = refused("--config");
+  EXPECT_EQ(unnamed.status, 78);
+  EXPECT_EQ(unnamed.said, "ldpd: the name of the configuration is empty: give the name of a file\n");
 }
 
 TEST_F(LdpdTest, TheCheckNamesAMissingFolderAndAMissingScript) {

@@ -94,6 +94,7 @@ void put(Json& json, const char* name, const std::optional<T>& value) {
 }  // namespace
 
 std::vector<BuildOutcome> outcomes_in(const fs::path& folder) {
+  if (folder.empty()) throw BadInput("the name of a folder is empty: give the folder of the builds");
   if (!fs::is_directory(folder)) throw BadInput(folder.string() + ": there is no such folder: check the name");
   std::map<std::string, std::pair<fs::path, fs::path>> found;  // panorama and report, by name
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
