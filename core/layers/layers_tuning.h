@@ -30,19 +30,19 @@ constexpr int kLightnessDiffers = 4;
 // Planes that a depth map is put onto (proposals/plane_fits.cpp).
 constexpr int kPlaneSquarePx = 48;         // they are fitted to squares of so many pixels
 constexpr double kOnPlanePx = 2;           // parallax by which what lies on one may be off it
-constexpr double kLeastPlaneShare = 0.5;   // 0 .. 1, of a square's pixels that must lie on its plane
-constexpr double kOtherPlanePx = 8;        // parallax: what is farther off than this is another surface
+constexpr double kLeastPlaneShare = 0.5;   // 0 .. 1, of a square's present samples that must lie on its plane
+constexpr double kOtherPlanePx = 6;        // parallax: what is farther off than this is another surface
 constexpr int kPlaneTries = 48;            // of three samples each
 constexpr size_t kLeastPlaneSamples = 30;  // in a square
 constexpr int kLeastPlaneArea = 50;        // of the parallelogram of three samples, square pixels
 
 // Steps in plain parts (proposals/plain_tears.cpp).
-constexpr int kPlainTearContrast = 12;  // grey levels
-constexpr int kTearPlainPx = 8;         // all is plain within so far of a step that is closed
-constexpr int kSlopePlainPx = 2;        // and within so far of what becomes a slope,
-constexpr int kSlopePx = 12;            // up to so far beside the step
-constexpr double kTearPx = 6;           // a step is more parallax than this
-constexpr int kSlopeRounds = 80;        // of means: some more than a slope is pixels wide
+constexpr int kPlainTearContrast = 12;  // grey levels between the darkest and the brightest of what is plain
+constexpr double kTearPx = 6;           // parallax: a step is more than this,
+constexpr int kTearPlainPx = 8;         // and all is plain so far around both of its sides
+constexpr int kSlopePx = 20;            // pixels that a slope reaches to either side of a step,
+constexpr int kSlopePlainPx = 2;        // where all is plain so far around each
+constexpr int kSlopeRounds = 80;        // of means of four: they spread by sqrt(rounds / 2) pixels
 
 // What matches best without smoothness (proposals/unsmoothed.cpp): by more than this, in 1/kCostScale grey levels.
 constexpr int kClearlyCheaper = 4;

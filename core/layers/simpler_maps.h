@@ -1,5 +1,5 @@
-// Simpler depth maps, for photographs to choose (ProposalFusion::simplify): they tell little of plain and of slanted
-// surfaces, so that steps, noise and tears in those are mostly chance.
+// Simpler depth maps, for photographs to choose (ProposalFusion::simplify). Photographs tell little of plain and of
+// slanted surfaces: steps, noise and tears in those are mostly chance.
 #pragma once
 
 #include <vector>
@@ -15,8 +15,8 @@ namespace ldp {
 // (proposals/plane_fits.cpp). Inverse depth on a plane is all but linear in columns and rows over a few degrees.
 void put_onto_planes(const PanoramaGrid& grid, const Job& job, DisparityMap& layer);
 
-// Makes a slope of steps in what the camera next to each ray shows as plain all around (proposals/plain_tears.cpp): a
-// step that photographs show has an edge in them, and what lies behind shows through one that they do not.
+// Makes slopes of steps around which the camera next to each ray shows nothing (proposals/plain_tears.cpp). A step
+// between two things shows as an edge; through one without, a view from aside sees what lies behind.
 void close_plain_tears(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const Job& job,
                        DisparityMap& layer);
 

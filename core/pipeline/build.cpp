@@ -210,6 +210,7 @@ class Build {
     absorb_specks(grid_, kFrontSpeckPx, layer);
   }
 
+  // Specks would keep squares off their planes, and a plane may itself end in a step.
   DisparityMap simpler_than(const DisparityMap& layer) const {
     DisparityMap simpler = layer;
     absorb_specks(grid_, kDoubtfulPx, simpler);

@@ -41,6 +41,7 @@ void complain(const std::exception& error, const char* remedy = "") {
 }
 
 ldp::CheckedCard read_card(const fs::path& file) {
+  if (file.empty()) throw std::runtime_error("the name of the file is empty: give that of camera.toml");
   if (!fs::exists(file)) return {.there = false, .settings = {}, .mistakes = {}};
   std::ifstream in(file);
   in.peek();  // a folder fails here; an empty file is a good one

@@ -56,11 +56,11 @@ void declare(CLI::App& app, Arguments& arguments) {
 bool read_configuration(const Arguments& arguments, ldp::Config& config) {
   std::optional<std::string> file = arguments.config_file;
   if (!file && std::filesystem::exists(kDefaultConfig)) file = kDefaultConfig;
-  bool good = true;
   if (file && file->empty()) {
     std::fputs("ldpd: the name of the configuration is empty: give the name of a file\n", stderr);
     return false;
   }
+  bool good = true;
   if (file) {
     const ldp::CheckedConfig checked =
         ldp::read_config(*file, arguments.check_config ? ldp::Inputs::must_exist : ldp::Inputs::may_be_missing);

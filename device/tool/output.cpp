@@ -101,8 +101,8 @@ std::string extension_of(const fs::path& file) {
 }
 
 void check_input(const fs::path& file) {
-  std::error_code error;
   if (file.empty()) throw BadInput("the name of a file is empty: give the name of a file");
+  std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (status.type() == fs::file_type::not_found)
     throw BadInput(file.string() + ": there is no such file: check the name");

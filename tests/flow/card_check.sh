@@ -39,6 +39,9 @@ grep -q 'odd\\x1b.toml:1: ' "$room/said" || { cat -v "$room/said"; exit 1; }
 
 "$card" "$room/nothing.toml" 2>"$room/said" && grep -q "^ldp-card: there is no $room/nothing.toml: the defaults hold$" "$room/said" || { cat "$room/said"; exit 1; }
 
+if "$card" "" 2>"$room/said"; then echo 'an empty name is no fault'; exit 1; fi
+grep -q '^ldp-card: the name of the file is empty' "$room/said" || { cat "$room/said"; exit 1; }
+
 "$card" --hel 2>"$room/said"
 status=$?
 [ $status = 2 ] && grep -q '^ldp-card: .*: see ldp-card --help$' "$room/said" || { echo "status $status"; cat "$room/said"; exit 1; }

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include "core/layers/layers_tuning.h"
 #include "core/layers/neighbours.h"
@@ -55,6 +56,22 @@ TEST(PutOntoPlanes, TakesNoiseOffASlantedPlane) {
   const DisparityMap truth = slanted(grid);
   const DisparityMap map = noisy(grid, truth);
   EXPECT_LE(mean_difference(on_planes(grid, map), truth), mean_difference(map, truth) / 6);
+}
+
+// Squares of planes fit a whole number of times into neither.
+TEST(PutOntoPlanes, TakesNoiseOffRoundTheSeamAndOffSmallMaps) {
+  const PanoramaGrid round = closed_grid(0);
+  PanoramaGrid small = simple_grid(0.5), narrow = closed_grid(0);
+  small.width = 30, small.height = 10;
+  narrow.width = 20;
+  narrow.theta_pitch = 2 * std::numbers::pi / narrow.width;
+  for (const PanoramaGrid& grid : {round, small, narrow}) {
+    const DisparityMap level(grid.width, grid.height, 1000);
+    const DisparityMap map = noisy(grid, level);
+    EXPECT_LE(mean_difference(on_planes(grid, map), level), mean_difference(map, level) / 3) << grid.width;
+    const DisparityMap absent(grid.width, grid.height, kNoDisparity);
+    EXPECT_EQ(on_planes(grid, absent), absent);
+  }
 }
 
 TEST(PutOntoPlanes, LeavesOtherSurfacesAndWhatIsAbsent) {
@@ -140,6 +157,7 @@ TEST(ClosePlainTears, LeavesStepsThatPhotosShowAndSmallOnes) {
   const DisparityMap map = torn(grid, 10);
   EXPECT_EQ(closed(grid, striped(grid, 40), map), map);
   EXPECT_EQ(closed(grid, striped(grid, 40, 7), map), map);
+  EXPECT_EQ(closed(grid, striped(grid, 40, 10), map), map);  // beside the right one of the step's two sides
   EXPECT_NE(closed(grid, striped(grid, 40, 12), map), map);
   EXPECT_NE(closed(grid, striped(grid, 8), map), map);
   const DisparityMap small = torn(grid, 5);
@@ -149,10 +167,10 @@ TEST(ClosePlainTears, LeavesStepsThatPhotosShowAndSmallOnes) {
 TEST(ClosePlainTears, DrawsNothingTowardsWhatHasAnEdge) {
   const PanoramaGrid grid = simple_grid(0.5);
   DisparityMap map = torn(grid, 7);
-  const int edge = grid.width / 2 + 11, outline = edge - 5, nearest = map.at(0, 0);
+  const int edge = grid.width / 2 + 13, outline = edge - 6, nearest = map.at(0, 0);
   for (int y = 0; y < grid.height; ++y)
     for (int x = outline; x < grid.width; ++x) map.at(x, y) = static_cast<uint16_t>(400 + steps(grid, 14));
-  const DisparityMap found = closed(grid, striped(grid, 40, 11), map);
+  const DisparityMap found = closed(grid, striped(grid, 40, 13), map);
   ASSERT_NE(found, map);
   for (int x = 0; x < outline; ++x) EXPECT_LE(found.at(x, grid.height / 2), nearest) << x;
 }

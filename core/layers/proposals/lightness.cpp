@@ -1,6 +1,7 @@
 // Wires before the sky are darker than what is around them, and gaps between leaves lighter, or the other way round:
 // what is alike in that is mostly of one surface.
 #include <cstdlib>
+#include <vector>
 
 #include "core/layers/layers.h"
 #include "core/layers/layers_tuning.h"

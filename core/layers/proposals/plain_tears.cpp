@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <utility>
+#include <vector>
 
 #include "core/layers/layers.h"
 #include "core/layers/layers_tuning.h"
@@ -16,8 +18,9 @@ using namespace tuning;
 
 // Right and down, and all four.
 constexpr std::pair<int, int> kHalfOfSides[] = {{1, 0}, {0, 1}}, kSides[] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+constexpr int kPixelsAtOnce = 4096;
 
-// Row by row, absent as in a disparity map, of which squares are looked at.
+// Row by row, kNoDisparity where unknown: so squares of a map are looked at.
 Plane<uint16_t> row_by_row(const Plane<int16_t>& greys) {
   Plane<uint16_t> rows(greys.height, greys.width);
   for (int x = 0; x < rows.width; ++x)
@@ -42,78 +45,95 @@ Plane<uint8_t> plain(const PanoramaGrid& grid, const Plane<uint16_t>& greys, int
 // A layer whose plain parts are drawn smooth beside tears.
 class Slopes {
  public:
-  Slopes(const PanoramaGrid& grid, const Plane<uint16_t>& greys, const DisparityMap& layer, const Job& job)
+  Slopes(const PanoramaGrid& grid, const Plane<uint16_t>& greys, const Job& job, DisparityMap& layer)
       : grid_(grid),
-        layer_(layer),
         job_(job),
+        layer_(layer),
         plain_(plain(grid, greys, kSlopePlainPx)),
-        slope_(beside(tears(plain(grid, greys, kTearPlainPx)))),
-        now_(layer.width, layer.height),
-        next_(layer.width, layer.height) {
+        now_(layer.width, layer.height) {
+    find_tears(plain(grid, greys, kTearPlainPx));
+    spread();
     std::copy(layer.samples.begin(), layer.samples.end(), now_.samples.begin());
-    next_ = now_;
   }
 
-  DisparityMap settled() {
+  void settle() {
+    std::vector<float> next(slope_.size());
     for (int round = 0; round < kSlopeRounds; ++round) {
-      parallel_for(job_, layer_.height, [&](int y) {
-        for (int x = 0; x < layer_.width; ++x)
-          if (slope_.at(x, y)) next_.at(x, y) = mean_of_sides(x, y);
-      });
-      std::swap(now_, next_);
+      for_slope([&](size_t i) { next[i] = mean_of_sides(slope_[i]); });
+      for_slope([&](size_t i) { now_.at(slope_[i].x, slope_[i].y) = next[i]; });
     }
-    DisparityMap result = layer_;
-    for (size_t i = 0; i < result.samples.size(); ++i)
-      if (slope_.samples[i]) result.samples[i] = static_cast<uint16_t>(now_.samples[i] + 0.5F);
-    return result;
+    for (const Pixel& pixel : slope_)
+      layer_.at(pixel.x, pixel.y) = static_cast<uint16_t>(now_.at(pixel.x, pixel.y) + 0.5F);
   }
 
  private:
-  bool present(int x, int y) const { return layer_.contains(x, y) && layer_.at(x, y) != kNoDisparity; }
+  struct Pixel {
+    int x, y;
+  };
 
-  // 1 on both sides of a step with nothing to see around it.
-  Plane<uint16_t> tears(const Plane<uint8_t>& wide) const {
+  bool present(int x, int y) const { return layer_.contains(x, y) && layer_.at(x, y) != kNoDisparity; }
+  bool may_slope(int x, int y) const { return present(x, y) && plain_.at(x, y); }
+
+  // Both sides of steps with nothing to see around them.
+  void find_tears(const Plane<uint8_t>& plain_around) {
     const double least = parallax_steps(grid_, kTearPx);
-    Plane<uint16_t> found(layer_.width, layer_.height, 0);
     for (int y = 0; y < layer_.height; ++y)
       for (int x = 0; x < layer_.width; ++x) {
-        if (!wide.at(x, y) || !present(x, y)) continue;
+        if (!present(x, y) || !plain_around.at(x, y)) continue;
         for (const auto& [right, down] : kHalfOfSides) {
           const int column = neighbour_column(grid_, x + right);
-          if (!present(column, y + down)) continue;
-          if (std::abs(layer_.at(x, y) - layer_.at(column, y + down)) > least)
-            found.at(x, y) = found.at(column, y + down) = 1;
+          if (!present(column, y + down) || !plain_around.at(column, y + down)) continue;
+          if (std::abs(layer_.at(x, y) - layer_.at(column, y + down)) <= least) continue;
+          slope_.push_back({x, y});
+          slope_.push_back({column, y + down});
         }
       }
-    return found;
   }
 
-  // 1 where a slope may be: in plain parts around tears.
-  Plane<uint8_t> beside(const Plane<uint16_t>& tears) const {
-    const Plane<uint16_t> around = nearest_around(grid_, tears, kSlopePx);
-    Plane<uint8_t> found(layer_.width, layer_.height, 0);
-    for (int y = 0; y < layer_.height; ++y)
-      for (int x = 0; x < layer_.width; ++x) found.at(x, y) = around.at(x, y) != 0 && plain_.at(x, y) && present(x, y);
-    return found;
+  // From there through what is plain, so far: not across edges.
+  void spread() {
+    Plane<uint8_t> met(layer_.width, layer_.height, 0);
+    const auto meet = [&](int x, int y, std::vector<Pixel>& pixels) {
+      if (may_slope(x, y) && !std::exchange(met.at(x, y), uint8_t{1})) pixels.push_back({x, y});
+    };
+    std::vector<Pixel> border, next;
+    for (const Pixel& pixel : std::exchange(slope_, {})) meet(pixel.x, pixel.y, border);
+    for (int px = 0; px < kSlopePx && !border.empty(); ++px) {
+      next.clear();
+      for (const Pixel& pixel : border)
+        for (const auto& [right, down] : kSides) meet(neighbour_column(grid_, pixel.x + right), pixel.y + down, next);
+      slope_.insert(slope_.end(), border.begin(), border.end());
+      border.swap(next);
+    }
+  }
+
+  template <typename Use>
+  void for_slope(const Use& use) const {
+    const int count = static_cast<int>(slope_.size());
+    parallel_for(job_, (count + kPixelsAtOnce - 1) / kPixelsAtOnce, [&](int part) {
+      for (int i = part * kPixelsAtOnce; i < std::min(count, (part + 1) * kPixelsAtOnce); ++i)
+        use(static_cast<size_t>(i));
+    });
   }
 
   // Of those that are plain: what has an edge may be another surface.
-  float mean_of_sides(int x, int y) const {
+  float mean_of_sides(const Pixel& pixel) const {
     float sum = 0, count = 0;
     for (const auto& [right, down] : kSides) {
-      const int column = neighbour_column(grid_, x + right);
-      if (!present(column, y + down) || !plain_.at(column, y + down)) continue;
-      sum += now_.at(column, y + down);
+      const int column = neighbour_column(grid_, pixel.x + right), y = pixel.y + down;
+      if (!may_slope(column, y)) continue;
+      sum += now_.at(column, y);
       count += 1;
     }
-    return count > 0 ? sum / count : now_.at(x, y);
+    return count > 0 ? sum / count : now_.at(pixel.x, pixel.y);
   }
 
   const PanoramaGrid& grid_;
-  const DisparityMap& layer_;
   const Job& job_;
-  Plane<uint8_t> plain_, slope_;
-  Plane<float> now_, next_;  // disparity
+  DisparityMap& layer_;
+  Plane<uint8_t> plain_;      // where a slope may be
+  std::vector<Pixel> slope_;  // each once
+  Plane<float> now_;          // disparity
 };
 
 }  // namespace
@@ -121,7 +141,7 @@ class Slopes {
 void close_plain_tears(const PanoramaGrid& grid, const std::vector<UprightFrame>& frames, const Job& job,
                        DisparityMap& layer) {
   const Plane<uint16_t> greys = row_by_row(front_greys(grid, frames, layer, job));
-  layer = Slopes(grid, greys, layer, job).settled();
+  Slopes(grid, greys, job, layer).settle();
 }
 
 }  // namespace ldp

@@ -1,6 +1,7 @@
 // Planes fitted to squares of a depth map, by consensus (Fischler and Bolles 1981).
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <random>
 #include <vector>
 
@@ -41,6 +42,11 @@ bool through(const Sample& a, const Sample& b, const Sample& c, DisparityPlane& 
   return true;
 }
 
+int64_t on_plane(const std::vector<Sample>& samples, double tolerance, const DisparityPlane& plane) {
+  return std::count_if(samples.begin(), samples.end(),
+                       [&](const Sample& sample) { return plane.off(sample) <= tolerance; });
+}
+
 // Moves the plane to where the samples on it lie on average.
 void settle(const std::vector<Sample>& samples, double tolerance, DisparityPlane& plane) {
   double count = 0, x = 0, y = 0, d = 0, xx = 0, xy = 0, yy = 0, xd = 0, yd = 0;
@@ -51,7 +57,6 @@ void settle(const std::vector<Sample>& samples, double tolerance, DisparityPlane
     xx += sample.x * sample.x, xy += sample.x * sample.y, yy += sample.y * sample.y;
     xd += sample.x * sample.disparity, yd += sample.y * sample.disparity;
   }
-  plane.share = count / static_cast<double>(samples.size());
   if (count == 0) return;
   xx -= x * x / count, xy -= x * y / count, yy -= y * y / count, xd -= x * d / count, yd -= y * d / count;
   const double area = xx * yy - xy * xy;
@@ -72,17 +77,19 @@ DisparityPlane plane_of(const std::vector<Sample>& samples, double tolerance) {
     DisparityPlane plane;
     const Sample a = any(), b = any(), c = any();
     if (!through(a, b, c, plane)) continue;
-    const auto on_it = std::count_if(samples.begin(), samples.end(),
-                                     [&](const Sample& sample) { return plane.off(sample) <= tolerance; });
-    if (on_it <= most) continue;
-    most = on_it;
+    const int64_t count = on_plane(samples, tolerance, plane);
+    if (count <= most) continue;
+    most = count;
     best = plane;
   }
-  for (int round = 0; most > 0 && round < 2; ++round) settle(samples, tolerance, best);
+  if (most == 0) return best;
+  for (int round = 0; round < 2; ++round) settle(samples, tolerance, best);
+  best.share = static_cast<double>(on_plane(samples, tolerance, best)) / static_cast<double>(samples.size());
   return best;
 }
 
-// The planes of all squares: of each, the corner lies `kStride` pixels before a multiple of that, both ways.
+// The planes of all squares. That of square (i, j) begins at column (i - 1) kStride and row (j - 1) kStride: the first
+// ones begin outside.
 class Planes {
  public:
   Planes(const PanoramaGrid& grid, const DisparityMap& layer, const Job& job)
