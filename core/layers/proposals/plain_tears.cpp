@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <utility>
@@ -63,7 +64,7 @@ class Slopes {
       for_slope([&](size_t i) { now_.at(slope_[i].x, slope_[i].y) = next[i]; });
     }
     for (const Pixel& pixel : slope_)
-      layer_.at(pixel.x, pixel.y) = static_cast<uint16_t>(now_.at(pixel.x, pixel.y) + 0.5F);
+      layer_.at(pixel.x, pixel.y) = static_cast<uint16_t>(std::lround(now_.at(pixel.x, pixel.y)));
   }
 
  private:

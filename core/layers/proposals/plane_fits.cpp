@@ -150,7 +150,8 @@ void put_onto_planes(const PanoramaGrid& grid, const Job& job, DisparityMap& lay
     for (int x = 0; x < layer.width; ++x) {
       if (before.at(x, y) == kNoDisparity) continue;
       const double disparity = std::clamp<double>(planes.at(x, y), 0, kDisparitySteps);
-      if (std::abs(disparity - before.at(x, y)) <= farthest) layer.at(x, y) = static_cast<uint16_t>(disparity + 0.5);
+      if (std::abs(disparity - before.at(x, y)) <= farthest)
+        layer.at(x, y) = static_cast<uint16_t>(std::lround(disparity));
     }
   });
 }
