@@ -189,7 +189,7 @@ class Build {
   }
 
   // The later of two iterations frees what stands beside near surfaces, and eats their edges where they are plain; each
-  // is right in places. Then every pixel is offered the surfaces around it.
+  // is right in places. Then every pixel is offered the surfaces around it, and at last what is simpler.
   void fuse_proposals(DisparityMap& layer) {
     ProposalFusion fusion(grid_, upright_, effort_.columns_apart);
     if (!layers_.empty()) {

@@ -58,7 +58,7 @@ TEST(PutOntoPlanes, TakesNoiseOffASlantedPlane) {
   EXPECT_LE(mean_difference(on_planes(grid, map), truth), mean_difference(map, truth) / 6);
 }
 
-// Squares of planes fit a whole number of times into neither.
+// Squares of planes fit a whole number of times into none of them.
 TEST(PutOntoPlanes, TakesNoiseOffRoundTheSeamAndOffSmallMaps) {
   const PanoramaGrid round = closed_grid(0);
   PanoramaGrid small = simple_grid(0.5), narrow = closed_grid(0);

@@ -30,7 +30,7 @@ struct DisparityPlane {
   double off(const Sample& sample) const { return std::abs(at(sample.x, sample.y) - sample.disparity); }
 };
 
-// Through three samples; none where they lie nearly in a line.
+// Through three samples; false where they lie nearly in a line.
 bool through(const Sample& a, const Sample& b, const Sample& c, DisparityPlane& plane) {
   const int ab_x = b.x - a.x, ab_y = b.y - a.y, ac_x = c.x - a.x, ac_y = c.y - a.y;
   const int area = ab_x * ac_y - ac_x * ab_y;
