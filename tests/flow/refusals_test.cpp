@@ -152,6 +152,7 @@ TEST_F(Outputs, AnEmptyNameIsRefusedInOneLine) {
   expect_refusal({"scene", "room", "-o", ""}, 2, "no output folder is named");
   const std::string file = small_panorama();
   expect_refusal(render_path(file, "", 2), 2, "the name of an output is empty");
+  expect_refusal({"export", file, "-o", ""}, 2, "the name of an output is empty");
 }
 
 TEST_F(Outputs, WhatOnlyAPathHasIsRefusedWithCameras) {

@@ -94,6 +94,7 @@ void check_used(const ExportCommand& command) {
 void check_output(const ExportCommand& command) {
   if (is_seen(command) && (names_a_folder(command.output) || exported_kind(command.output) != OutputKind::picture))
     throw BadInput(command.output + ": what is seen from a place is a picture: .jpg or .png");
+  if (command.output.empty()) throw BadInput("the name of an output is empty: give the name of a file");
   if (names_a_folder(command.output)) {
     const OutputFolder refused_before_the_file_is_read(command.output, OutputFolder::Existing::refuse);
     return;
