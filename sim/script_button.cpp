@@ -1,4 +1,5 @@
 #include <array>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <vector>
@@ -20,7 +21,9 @@ std::string script_text(const std::string& file) {
   std::array<char, 4096> part;
   while (text.size() <= kMostBytes && (in.read(part.data(), part.size()), in.gcount() > 0))
     text.append(part.data(), static_cast<size_t>(in.gcount()));
-  if (text.empty()) throw std::runtime_error("the button script '" + file + "' is empty: a pipe can be read once only");
+  if (text.empty())
+    throw std::runtime_error("the button script '" + file + "' is empty" +
+                             (std::filesystem::is_regular_file(file) ? "" : ": a pipe can be read once only"));
   if (text.size() > kMostBytes) throw std::runtime_error("the button script '" + file + "' is longer than a megabyte");
   return text;
 }

@@ -6,20 +6,32 @@
 
 #include "core/export/export.h"
 #include "core/export/picture_metadata.h"
+#include "core/export/rags.h"
+#include "core/view/inpainting.h"
 
 namespace ldp {
 namespace {
 
-// The colour that is seen first: of the frontmost layer that is present.
-RgbImage seen_first(const LayeredPanorama& panorama) {
-  RgbImage image = panorama.layers.front().colour;
-  for (size_t i = 0; i < image.samples.size(); ++i)
-    for (const Layer& layer : panorama.layers) {
-      if (!layer.coverage.samples[i]) continue;
-      image.samples[i] = layer.colour.samples[i];
-      break;
+// What is seen first at each place of the grid.
+struct Swept {
+  RgbImage colour;
+  Plane<float> inverse_depth;  // 0 at the farthest .. 1
+  Plane<uint8_t> alpha;        // 255, or 0 where nothing is seen
+};
+
+Swept seen_first(const LayeredPanorama& panorama) {
+  const int width = panorama.grid.width, height = panorama.grid.height;
+  Swept swept = {RgbImage(width, height), Plane<float>(width, height, -1), Plane<uint8_t>(width, height)};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const size_t pixel = swept.alpha.index(x, y);
+      const Layer* layer = panorama.seen_first(pixel);
+      if (layer == nullptr) continue;
+      swept.colour.samples[pixel] = layer->colour.samples[pixel];
+      swept.inverse_depth.samples[pixel] = static_cast<float>(layer->depth.disparity(x, y)) / kDisparitySteps;
+      swept.alpha.samples[pixel] = 255;
     }
-  return image;
+  return swept;
 }
 
 uint8_t between(uint8_t a, uint8_t b, double t) { return static_cast<uint8_t>(std::lround(a + (b - a) * t)); }
@@ -53,7 +65,10 @@ FlatPanorama flatten(const LayeredPanorama& panorama) {
   const double top = std::atan(grid.v_top);
   const double bottom = std::atan(grid.v(grid.height));
   const int height = std::clamp(static_cast<int>(std::lround((top - bottom) / grid.theta_pitch)), 1, flat.full_height);
-  flat.image = equal_angles(seen_first(panorama), grid, top, height, width);
+  Swept swept = seen_first(panorama);
+  trim_rags(swept.alpha, grid.wraps);
+  view::fill_background(swept.inverse_depth, swept.colour, swept.alpha);
+  flat.image = equal_angles(swept.colour, grid, top, height, width);
   flat.left = (flat.full_width - width) / 2;
   const int top_px = static_cast<int>(std::lround((std::numbers::pi / 2 - top) / grid.theta_pitch));
   flat.top = std::clamp(top_px, 0, flat.full_height - height);

@@ -1,4 +1,4 @@
-// The front layer resampled to equal angles, and which part of the sphere it shows.
+// What is seen first at each place of the panorama, resampled to equal angles, and which part of the sphere it shows.
 #pragma once
 
 #include "core/base/plane.h"
@@ -14,6 +14,8 @@ struct FlatPanorama {
   Plane<float> inverse_distance{};
 };
 
+// Without the threads and islands along its border (rags.h); what is not there is filled from what lies farthest beside
+// it.
 FlatPanorama flatten(const LayeredPanorama& panorama);
 
 }  // namespace ldp

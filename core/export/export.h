@@ -1,7 +1,7 @@
 // A layered depth panorama in forms that other programs open.
 //
-//   .jpg .png   flat equirectangular panorama of the front layer, with GPano (XMP) so that panorama viewers know which
-//               part of the sphere it is; .jpg also with EXIF
+//   .jpg .png   flat equirectangular panorama of what is seen first, the rest filled from around it, with GPano (XMP)
+//               so that panorama viewers know which part of the sphere it is; .jpg also with EXIF
 //   .glb        the layers as textured meshes that tear at depth edges (glTF 2.0, unlit); y is up, the arc's centre is
 //               the origin. Coded for size (EXT_meshopt_compression, EXT_texture_webp), or plain for readers of bare
 //               glTF

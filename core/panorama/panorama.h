@@ -47,6 +47,14 @@ struct LayeredPanorama {
   // By what light colours at even exposure were multiplied, by direction, the same for all layers (local_exposure.h);
   // empty where colours are at even exposure.
   DisplayExposure exposure = {};
+
+  // The layer that is seen first at a pixel (row by row) of the grid: the frontmost that is present; null: there is
+  // none.
+  const Layer* seen_first(size_t pixel) const {
+    for (const Layer& layer : layers)
+      if (layer.coverage.samples[pixel] != 0) return &layer;
+    return nullptr;
+  }
 };
 
 }  // namespace ldp

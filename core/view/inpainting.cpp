@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <vector>
 
+#include "core/panorama/pull_push.h"
 #include "core/view/view_tuning.h"
 
 namespace ldp::view {
@@ -46,15 +46,10 @@ class BackgroundDepth {
   Plane<float> result_;
 };
 
-struct Cell {
-  float r = 0, g = 0, b = 0, weight = 0;  // colour is the mean of what was averaged, weight at most 1
-};
-using Cells = Plane<Cell>;
-
 // Solid pixels near a hole whose depth is that of the hole's background.
-Cells rim_of_holes(const Plane<float>& inverse_z, const RgbImage& colour, const Plane<uint8_t>& alpha) {
+Plane<WeightedColour> rim_of_holes(const Plane<float>& inverse_z, const RgbImage& colour, const Plane<uint8_t>& alpha) {
   const Plane<float> background = BackgroundDepth(inverse_z, alpha).take();
-  Cells rim(colour.width, colour.height);
+  Plane<WeightedColour> rim(colour.width, colour.height);
   for (int y = 0; y < rim.height; ++y)
     for (int x = 0; x < rim.width; ++x) {
       if (alpha.at(x, y) >= kSolidAlpha) continue;
@@ -69,61 +64,14 @@ Cells rim_of_holes(const Plane<float>& inverse_z, const RgbImage& colour, const 
   return rim;
 }
 
-Cells pull(const Cells& fine) {
-  Cells coarse((fine.width + 1) / 2, (fine.height + 1) / 2);
-  for (int y = 0; y < fine.height; ++y)
-    for (int x = 0; x < fine.width; ++x) {
-      const Cell& from = fine.at(x, y);
-      Cell& to = coarse.at(x / 2, y / 2);
-      to.r += from.weight * from.r;
-      to.g += from.weight * from.g;
-      to.b += from.weight * from.b;
-      to.weight += from.weight;
-    }
-  for (Cell& c : coarse.samples) {
-    if (c.weight <= 0) continue;
-    c = {c.r / c.weight, c.g / c.weight, c.b / c.weight, std::min(1.0F, c.weight)};
-  }
-  return coarse;
-}
-
-// Bilinear sample of the coarse level at the centre of a fine cell.
-Cell sample(const Cells& coarse, int x, int y) {
-  const int x0 = (x - 1) >> 1, y0 = (y - 1) >> 1;
-  const float s = (x & 1) != 0 ? 0.25F : 0.75F, t = (y & 1) != 0 ? 0.25F : 0.75F;
-  Cell sum;
-  for (int j = 0; j < 2; ++j)
-    for (int i = 0; i < 2; ++i) {
-      const Cell& c = coarse.at(std::clamp(x0 + i, 0, coarse.width - 1), std::clamp(y0 + j, 0, coarse.height - 1));
-      const float w = (i != 0 ? s : 1 - s) * (j != 0 ? t : 1 - t);
-      sum.r += w * c.r;
-      sum.g += w * c.g;
-      sum.b += w * c.b;
-    }
-  return sum;
-}
-
-void push(const Cells& coarse, Cells& fine) {
-  for (int y = 0; y < fine.height; ++y)
-    for (int x = 0; x < fine.width; ++x) {
-      Cell& c = fine.at(x, y);
-      if (c.weight >= 1) continue;
-      const Cell from = sample(coarse, x, y);
-      const float w = c.weight;
-      c = {w * c.r + (1 - w) * from.r, w * c.g + (1 - w) * from.g, w * c.b + (1 - w) * from.b, 1};
-    }
-}
-
 }  // namespace
 
 double fill_background(const Plane<float>& inverse_z, RgbImage& colour, Plane<uint8_t>& alpha) {
   const auto holes = std::count_if(alpha.samples.begin(), alpha.samples.end(), [](uint8_t a) { return a < 128; });
-  std::vector<Cells> levels = {rim_of_holes(inverse_z, colour, alpha)};
-  while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(pull(levels.back()));
-  if (levels.back().samples[0].weight <= 0) levels.back().samples[0] = {127, 127, 127, 1};
-  for (size_t i = levels.size() - 1; i > 0; --i) push(levels[i], levels[i - 1]);
+  Plane<WeightedColour> continued = rim_of_holes(inverse_z, colour, alpha);
+  fill_by_pull_push(continued);
   for (size_t i = 0; i < colour.samples.size(); ++i) {
-    const Cell& background = levels[0].samples[i];
+    const WeightedColour& background = continued.samples[i];
     const float own = static_cast<float>(alpha.samples[i]) / 255;
     const auto mix = [own](uint8_t mine, float other) {
       return static_cast<uint8_t>(std::floor(own * static_cast<float>(mine) + (1 - own) * other + 0.5F));

@@ -1,8 +1,7 @@
 // Inpainting: continues the background over the holes of a view.
 //
 // A hole lies beside a near surface that has moved away from what it hid, so it is filled from the farther surfaces at
-// its rim alone: rim colours are averaged into ever coarser images and drawn back into the hole (pull-push), which is
-// smooth, has no direction, and does not flicker from one view of a path to the next.
+// its rim alone (pull_push.h), which does not flicker from one view of a path to the next.
 #pragma once
 
 #include "core/base/plane.h"

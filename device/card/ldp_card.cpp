@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "core/base/files.h"
 #include "core/base/markup_text.h"
@@ -31,8 +32,11 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", "ldp-card " LDP_VERSION);
   app.footer("Exit status: 0 done, 1 failed, 2 unusable arguments, 78 mistakes in the file, every one named.");
   app.add_option("FILE", arguments.camera_toml, "camera.toml; the defaults hold where it is missing")->required();
-  app.add_option("-o,--output", arguments.output, "folder of the services' files; without, the file is only checked");
-  app.add_option("--report", arguments.report, "where mistakes are told to people");
+  const auto named = [](const std::string& name) { return name.empty() ? "the name is empty" : ""; };
+  app.add_option("-o,--output", arguments.output,
+                 "folder of the services' files, made where it is missing; without, the file is only checked")
+      ->check(named);
+  app.add_option("--report", arguments.report, "where mistakes are told to people")->check(named);
   app.add_flag("--blink", arguments.blink, "only blink the LED that the file names, as after a failure, for ever");
 }
 
@@ -51,10 +55,16 @@ ldp::CheckedCard read_card(const fs::path& file) {
   return ldp::parse_card(text.str());
 }
 
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw std::runtime_error("cannot make the folder " + folder.string() + ": " + error.message());
+}
+
 void write_files(const ldp::CardSettings& settings, const fs::path& folder) {
   for (const ldp::CardFile& file : ldp::card_files(settings)) {
     const fs::path path = folder / file.path;
-    fs::create_directories(path.parent_path());
+    make_folder(path.parent_path());
     if (file.secret)
       ldp::write_secret_file(path, file.text);
     else

@@ -32,10 +32,10 @@ std::string what_it_is(const LdpDescription& description) {
 
 uint64_t bytes_beside(const LdpDescription& description, const BytesBeside& beside) {
   const PanoramaGrid& grid = description.panorama.grid;
-  uint64_t bytes = beside.always;
+  const uint64_t pixels = static_cast<uint64_t>(grid.width) * static_cast<uint64_t>(grid.height);
+  uint64_t bytes = beside.always + beside.per_pixel_once * pixels;
   for (const LdpLayerSummary& layer : description.layers)
-    bytes += beside.per_pixel * static_cast<uint64_t>(grid.width) * static_cast<uint64_t>(grid.height) +
-             beside.per_present_pixel * layer.present_pixels;
+    bytes += beside.per_pixel * pixels + beside.per_present_pixel * layer.present_pixels;
   return bytes;
 }
 

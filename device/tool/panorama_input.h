@@ -20,6 +20,7 @@ struct PanoramaInput {
 // What a command holds beside the panorama, in bytes.
 struct BytesBeside {
   uint64_t per_pixel = 0;          // of the grid, for every layer
+  uint64_t per_pixel_once = 0;     // of the grid, for all layers together
   uint64_t per_present_pixel = 0;  // as the file tells them, and decoding checks
   uint64_t always = 0;
 };

@@ -42,6 +42,15 @@ grep -q 'odd\\x1b.toml:1: ' "$room/said" || { cat -v "$room/said"; exit 1; }
 if "$card" "" 2>"$room/said"; then echo 'an empty name is no fault'; exit 1; fi
 grep -q '^ldp-card: the name of the file is empty' "$room/said" || { cat "$room/said"; exit 1; }
 
+for option in --output --report; do
+  "$card" "$room/nothing.toml" $option "" 2>"$room/said"
+  status=$?
+  [ $status = 2 ] && grep -q "^ldp-card: $option: the name is empty: see" "$room/said" || { echo "status $status"; cat "$room/said"; exit 1; }
+done
+: >"$room/file"
+if "$card" "$room/nothing.toml" -o "$room/file/in" 2>"$room/said"; then echo 'a folder in a file is no fault'; exit 1; fi
+grep -q "^ldp-card: cannot make the folder $room/file/in: Not a directory$" "$room/said" || { cat "$room/said"; exit 1; }
+
 "$card" --hel 2>"$room/said"
 status=$?
 [ $status = 2 ] && grep -q '^ldp-card: .*: see ldp-card --help$' "$room/said" || { echo "status $status"; cat "$room/said"; exit 1; }

@@ -162,6 +162,13 @@ class Many(unittest.TestCase):
         table = run("summary", many, "--html", self.room / "all.html").stdout.splitlines()
         self.assertEqual(len(table), 5 + 3)
         self.assertRegex(table[-2], r"^5 builds: .* 3 failed, 0 unknown$")
+        self.assertRegex(table[-1], r"^[\d.]+ MB of files, [\d.]+ hours of processor time, \d+ MB of memory at the peak$")
+        lone = self.room / "lone"
+        lone.mkdir()
+        (lone / "bare.ldp").write_bytes((many / "bare.ldp").read_bytes())
+        table = run("summary", lone).stdout.splitlines()
+        self.assertRegex(table[-2], "^1 build: ")
+        self.assertRegex(table[-1], r"^[\d.]+ MB of files$", "what no report tells was not measured")
         page = (self.room / "all.html").read_text()
         self.assertEqual(page.count("data:image/jpeg;base64,/9j/"), 2)
         self.assertIn("<b>&lt;b></b>: failed<br>", page)

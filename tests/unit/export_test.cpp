@@ -59,6 +59,42 @@ TEST(ExportFlat, RowsLieAtTheirElevation) {
   EXPECT_EQ(flat.top, std::lround(std::numbers::pi / 4 * 150));
 }
 
+TEST(ExportFlat, HolesShowWhatLiesBehindAndElseWhatIsFarthestBesideThem) {
+  LayeredPanorama panorama = plane_panorama(120, 60, 3000);
+  Layer& front = panorama.layers[0];
+  Layer behind = front;
+  DisparityMap depth(120, 60, 3000);
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 120; ++x) {
+      const bool near = x < 50;
+      if (!near) depth.at(x, y) = 500;
+      front.colour.at(x, y) = near ? Rgb{250, 0, 0} : Rgb{0, 0, 250};
+      front.coverage.at(x, y) = x < 40 || x >= 60 ? 1 : 0;
+      behind.colour.at(x, y) = {0, 250, 0};
+      behind.coverage.at(x, y) = x >= 40 && x < 60 && y < 30 ? 1 : 0;
+    }
+  front.depth = encode_depth(depth, 8);
+  panorama.layers.push_back(behind);
+  const RgbImage flat = flatten(panorama).image;
+  const int low = flat.height * 7 / 8, high = flat.height / 8;
+  EXPECT_EQ(flat.at(20, low), (Rgb{250, 0, 0}));
+  EXPECT_EQ(flat.at(50, high), (Rgb{0, 250, 0}));
+  for (const int x : {41, 50, 58}) EXPECT_LT(flat.at(x, low).r, 10) << "the near side does not go on, " << x;
+  EXPECT_GT(flat.at(55, low).b, 200);
+}
+
+TEST(ExportFlat, SpecksBeyondTheBorderGo) {
+  LayeredPanorama panorama = plane_panorama(120, 60, 1000);
+  Layer& front = panorama.layers[0];
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 120; ++x) {
+      const bool speck = x >= 100 && x < 104 && y >= 30 && y < 34;
+      front.coverage.at(x, y) = x < 90 || speck ? 1 : 0;
+      front.colour.at(x, y) = speck ? Rgb{255, 0, 0} : Rgb{0, 0, 250};
+    }
+  for (const Rgb& c : flatten(panorama).image.samples) ASSERT_LT(c.r, 2);
+}
+
 TEST(ExportFlat, JpegAndPngCarryGpanoThatFitsTheImage) {
   for (const bool wraps : {false, true}) {
     LayeredPanorama panorama = synthetic_panorama({400, 90, 0, 2, false, Rays::pushbroom, wraps});

@@ -10,6 +10,7 @@
 #include "core/panorama/file/coders/range_coder.h"
 #include "core/panorama/file/crc32c.h"
 #include "core/panorama/file/ldp_file.h"
+#include "core/photos/images.h"
 #include "tests/golden/sealed_file.h"
 #include "tests/golden/synthetic_panorama.h"
 
@@ -300,6 +301,31 @@ TEST(LdpDescription, TellsWhatIsThereWithoutDecoding) {
   uint64_t sum = 32 + 32 * description.chunks.size();
   for (const LdpChunk& chunk : description.chunks) sum += chunk.length;
   EXPECT_EQ(sum, file.size());
+}
+
+// 960 columns make squares of two pixels.
+TEST(LdpDescription, TheThumbnailShowsWhatIsSeenFirstAndNoHoles) {
+  LayeredPanorama panorama = synthetic_panorama({960, 90, 8, 2});
+  const auto fill = [](Layer& layer, int columns, uint16_t disparity, Rgb colour) {
+    DisparityMap depth(960, 90, kNoDisparity);
+    layer.colour = RgbImage(960, 90);
+    layer.coverage = Plane<uint8_t>(960, 90);
+    for (int y = 0; y < 90; ++y)
+      for (int x = 0; x < columns; ++x)
+        depth.at(x, y) = disparity, layer.colour.at(x, y) = colour, layer.coverage.at(x, y) = 1;
+    layer.depth = encode_depth(depth, 8);
+  };
+  fill(panorama.layers[0], 300, 3000, {200, 100, 50});
+  fill(panorama.layers[1], 600, 500, {50, 200, 100});
+  const RgbImage small = decode_image(describe_ldp(encode_ldp(panorama, {90, LdpCodec::webp})).thumbnail, "thumbnail");
+  ASSERT_EQ(small.width, 480);
+  ASSERT_EQ(small.height, 45);
+  EXPECT_NEAR(small.at(75, 20).r, 200, 6);
+  EXPECT_NEAR(small.at(225, 20).g, 200, 6);
+  for (const int x : {305, 400, 475}) {
+    EXPECT_NEAR(small.at(x, 20).r, 50, 12) << x;
+    EXPECT_NEAR(small.at(x, 20).g, 200, 12) << x;
+  }
 }
 
 TEST(LdpDescription, TellsHowColoursAreCoded) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <string>
 
@@ -8,6 +9,7 @@
 #include "core/panorama/file/container.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/panorama/file/records.h"
+#include "core/panorama/pull_push.h"
 #include "core/photos/images.h"
 
 namespace ldp::file {
@@ -131,22 +133,38 @@ std::vector<uint8_t> write_layer_record(const Layer& layer) {
   return write_layer_record(record);
 }
 
-// The front layer, averaged over squares.
-std::vector<uint8_t> make_thumbnail(const RgbImage& image) {
-  const int k = (std::max(image.width, image.height) + kThumbnailPx - 1) / kThumbnailPx;
-  RgbImage small(std::max(1, image.width / k), std::max(1, image.height / k));
-  for (int y = 0; y < small.height; ++y)
-    for (int x = 0; x < small.width; ++x) {
-      uint32_t r = 0, g = 0, b = 0, count = 0;
-      for (int sy = y * k; sy < std::min(image.height, (y + 1) * k); ++sy)
-        for (int sx = x * k; sx < std::min(image.width, (x + 1) * k); ++sx) {
-          const Rgb c = image.at(sx, sy);
-          r += c.r, g += c.g, b += c.b, ++count;
-        }
-      const auto mean = [count](uint32_t sum) { return static_cast<uint8_t>((sum + count / 2) / count); };
-      small.at(x, y) = {mean(r), mean(g), mean(b)};
+// What is seen first in a square of k x k pixels from (x, y) on, weighed by how much of it is.
+WeightedColour mean_seen(const LayeredPanorama& panorama, int x, int y, int k) {
+  const Plane<uint8_t>& grid = panorama.layers[0].coverage;
+  uint32_t r = 0, g = 0, b = 0, seen = 0, all = 0;
+  for (int sy = y; sy < std::min(grid.height, y + k); ++sy)
+    for (int sx = x; sx < std::min(grid.width, x + k); ++sx) {
+      ++all;
+      const size_t pixel = grid.index(sx, sy);
+      const Layer* layer = panorama.seen_first(pixel);
+      if (layer == nullptr) continue;
+      const Rgb c = layer->colour.samples[pixel];
+      r += c.r, g += c.g, b += c.b, ++seen;
     }
-  return encode_jpeg(small, kThumbnailQuality);
+  if (seen == 0) return {};
+  const auto mean = [seen](uint32_t sum) { return static_cast<float>(sum) / static_cast<float>(seen); };
+  return {mean(r), mean(g), mean(b), static_cast<float>(seen) / static_cast<float>(all)};
+}
+
+// Averaged over squares; what no photograph shows is filled from around it.
+std::vector<uint8_t> make_thumbnail(const LayeredPanorama& panorama) {
+  const int width = panorama.grid.width, height = panorama.grid.height;
+  const int k = (std::max(width, height) + kThumbnailPx - 1) / kThumbnailPx;
+  Plane<WeightedColour> small(std::max(1, width / k), std::max(1, height / k));
+  for (int y = 0; y < small.height; ++y)
+    for (int x = 0; x < small.width; ++x) small.at(x, y) = mean_seen(panorama, x * k, y * k, k);
+  fill_by_pull_push(small);
+  RgbImage image(small.width, small.height);
+  const auto level = [](float mean) { return static_cast<uint8_t>(std::lround(mean)); };
+  std::transform(small.samples.begin(), small.samples.end(), image.samples.begin(), [&](const WeightedColour& c) {
+    return Rgb{level(c.r), level(c.g), level(c.b)};
+  });
+  return encode_jpeg(image, kThumbnailQuality);
 }
 
 void check_options(const LdpEncodeOptions& options) {
@@ -166,7 +184,7 @@ std::vector<NewChunk> write_records(const LayeredPanorama& panorama) {
     check_layer(panorama, i);
     chunks.push_back({"LAYR", static_cast<int>(i), -1, write_layer_record(panorama.layers[i])});
   }
-  chunks.push_back({"thmb", -1, -1, make_thumbnail(panorama.layers[0].colour)});
+  chunks.push_back({"thmb", -1, -1, make_thumbnail(panorama)});
   chunks.push_back({"cams", -1, -1, write_cameras(panorama.cameras)});
   read_cameras(ByteReader(chunks.back().bytes, {"encode_ldp: cams", 0}));
   chunks.push_back({"qual", -1, -1, write_quality(panorama.quality)});

@@ -33,8 +33,11 @@ struct ExportCommand {
   const CLI::Option *eyes = nullptr, *plain = nullptr, *quality = nullptr;  // whether they were given
 };
 
-// Measured: the pictures and the viewer take up to 5 bytes a pixel, a mesh 45 for each point of it.
+// Measured: the viewer and layered images take up to 5 bytes a pixel, a mesh 45 for each point of it.
 constexpr BytesBeside kExporting{.per_pixel = 5, .per_present_pixel = 64, .always = 16 << 20};
+
+// A flat panorama, whose holes are filled.
+constexpr BytesBeside kFlattening{.per_pixel_once = 36, .always = 16 << 20};
 
 // A picture from a place takes what rendering takes, and its own bands.
 constexpr BytesBeside kSeeing{
@@ -64,6 +67,12 @@ bool is_seen(const ExportCommand& command) { return !command.kind.empty() || !co
 
 bool names_a_folder(const std::string& output) {
   return output.ends_with('/') || std::filesystem::is_directory(output);
+}
+
+const BytesBeside& bytes_beside(const ExportCommand& command) {
+  if (is_seen(command)) return kSeeing;
+  const bool is_flat = !names_a_folder(command.output) && exported_kind(command.output) == OutputKind::picture;
+  return is_flat ? kFlattening : kExporting;
 }
 
 size_t write_layers(const ExportCommand& command, const LayeredPanorama& panorama, const Job& job) {
@@ -146,8 +155,7 @@ int run(const ExportCommand& command, const Session& session) {
   const Job job = start_job(session, *bar);
   check_input_file(command.input.file);
   const MappedFile mapped(command.input.file);
-  const BytesBeside& beside = is_seen(command) ? kSeeing : kExporting;
-  LayeredPanorama panorama = decode_panorama(command.input, mapped.bytes(), beside, job);
+  LayeredPanorama panorama = decode_panorama(command.input, mapped.bytes(), bytes_beside(command), job);
   const ViewingLimits limits = panorama.limits;
   const PanoramaGrid grid = panorama.grid;
   const size_t bytes = write_exported(command, std::move(panorama), mapped, job);
@@ -177,7 +185,8 @@ void add_export(Program& program) {
          "--kind", command->kind,
          "Of a .jpg or .png: panorama, all that one eye sees from a place; stereo, what two eyes see that turn "
          "with the head, the left one's sphere above the right one's; depth, a panorama with its depth inside as "
-         "photo programs know it (GDepth), as .png its depth alone, 16 bits. Left out: the front layer as it was swept")
+         "photo programs know it (GDepth), as .png its depth alone, 16 bits. Left out: the panorama as it was swept, "
+         "what no photo shows filled from around it")
       ->check(CLI::IsMember({"panorama", "stereo", "depth"}));
   app.add_option("--at", command->at,
                  "X,Y,Z: the place, from the turn's axis: towards the sweep's middle, to its left, up; in the unit of "

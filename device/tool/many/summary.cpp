@@ -177,13 +177,18 @@ std::string summary_table(const std::vector<BuildOutcome>& outcomes) {
     table += row + printable(outcome.reasons) + "\n";
   }
   const Totals totals = totals_of(outcomes);
-  std::snprintf(row, sizeof row, "%zu builds: %zu good, %zu fair, %zu sweep again, %zu failed, %zu unknown\n",
-                outcomes.size(), totals.good, totals.fair, totals.sweep_again, totals.failed, totals.unknown);
+  std::snprintf(row, sizeof row, "%zu %s: %zu good, %zu fair, %zu sweep again, %zu failed, %zu unknown\n",
+                outcomes.size(), outcomes.size() == 1 ? "build" : "builds", totals.good, totals.fair,
+                totals.sweep_again, totals.failed, totals.unknown);
   table += row;
-  std::snprintf(row, sizeof row, "%.2f hours of processor time, %.1f MB of files, %.0f MB of memory at the peak\n",
-                totals.processor_seconds / 3600, 1e-6 * static_cast<double>(totals.file_bytes),
-                1e-6 * static_cast<double>(totals.peak_memory_bytes));
-  return table + row;
+  std::snprintf(row, sizeof row, "%.1f MB of files", 1e-6 * static_cast<double>(totals.file_bytes));
+  table += row;
+  if (totals.processor_seconds > 0) {  // nobody measured it where there are no reports
+    std::snprintf(row, sizeof row, ", %.2f hours of processor time, %.0f MB of memory at the peak",
+                  totals.processor_seconds / 3600, 1e-6 * static_cast<double>(totals.peak_memory_bytes));
+    table += row;
+  }
+  return table + "\n";
 }
 
 }  // namespace ldp

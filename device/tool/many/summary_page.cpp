@@ -45,15 +45,16 @@ std::string summary_page(const std::string& title, const std::vector<BuildOutcom
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const auto* a, const auto* b) { return rank_of(*a) < rank_of(*b); });
   const Totals totals = totals_of(outcomes);
-  char counts[160];
-  std::snprintf(counts, sizeof counts,
-                "%zu builds: %zu failed, %zu to sweep again, %zu fair, %zu good; %.2f hours of processor time",
-                outcomes.size(), totals.failed, totals.sweep_again, totals.fair, totals.good,
-                totals.processor_seconds / 3600);
+  char counts[160], hours[48] = "";
+  std::snprintf(counts, sizeof counts, "%zu %s: %zu failed, %zu to sweep again, %zu fair, %zu good", outcomes.size(),
+                outcomes.size() == 1 ? "build" : "builds", totals.failed, totals.sweep_again, totals.fair, totals.good);
+  if (totals.processor_seconds > 0)
+    std::snprintf(hours, sizeof hours, "; %.2f hours of processor time", totals.processor_seconds / 3600);
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width\"><title>" +
-      escaped(title) + "</title><style>" + kStyle + "</style>\n<h1>" + escaped(title) + "</h1><p>" + counts + "</p>\n";
+      escaped(title) + "</title><style>" + kStyle + "</style>\n<h1>" + escaped(title) + "</h1><p>" + counts + hours +
+      "</p>\n";
   for (const BuildOutcome* outcome : sorted) html += figure_of(*outcome);
   return html + "</html>\n";
 }
