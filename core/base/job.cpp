@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/base/scratch_space.h"
+#include "core/base/memory/scratch_space.h"
 
 namespace ldp {
 

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/scratch_space.h"
+#include "core/base/memory/large_arrays.h"
 
 namespace ldp {
 

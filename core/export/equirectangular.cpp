@@ -7,37 +7,67 @@
 #include "core/export/export.h"
 #include "core/export/picture_metadata.h"
 #include "core/export/rags.h"
+#include "core/panorama/pull_push.h"
 #include "core/view/inpainting.h"
 
 namespace ldp {
 namespace {
 
-// What is seen first at each place of the grid.
+// Columns of its other end that a full turn is given on either side, so that what is filled closes as well.
+constexpr int kMargin_px = 256;
+
 struct Swept {
+  int margin = 0;  // columns before the panorama's first
   RgbImage colour;
-  Plane<float> inverse_depth;  // 0 at the farthest .. 1
+  Plane<float> inverse_depth;  // negative where nothing is seen
   Plane<uint8_t> alpha;        // 255, or 0 where nothing is seen
 };
 
+// What is seen first at each place of the grid.
 Swept seen_first(const LayeredPanorama& panorama) {
-  const int width = panorama.grid.width, height = panorama.grid.height;
-  Swept swept = {RgbImage(width, height), Plane<float>(width, height, -1), Plane<uint8_t>(width, height)};
-  for (int y = 0; y < height; ++y)
+  const PanoramaGrid& grid = panorama.grid;
+  const int margin = grid.wraps ? std::min(grid.width, kMargin_px) : 0;
+  const int width = grid.width + 2 * margin;
+  Swept swept = {margin, RgbImage(width, grid.height), Plane<float>(width, grid.height, -1),
+                 Plane<uint8_t>(width, grid.height)};
+  for (int y = 0; y < grid.height; ++y)
     for (int x = 0; x < width; ++x) {
-      const size_t pixel = swept.alpha.index(x, y);
+      const int column = (x - margin + grid.width) % grid.width;
+      const size_t pixel = panorama.layers[0].coverage.index(column, y);
       const Layer* layer = panorama.seen_first(pixel);
       if (layer == nullptr) continue;
-      swept.colour.samples[pixel] = layer->colour.samples[pixel];
-      swept.inverse_depth.samples[pixel] = static_cast<float>(layer->depth.disparity(x, y)) / kDisparitySteps;
-      swept.alpha.samples[pixel] = 255;
+      swept.colour.at(x, y) = layer->colour.samples[pixel];
+      swept.inverse_depth.at(x, y) = static_cast<float>(grid.inverse_depth(layer->depth.disparity(column, y)));
+      swept.alpha.at(x, y) = 255;
     }
   return swept;
+}
+
+WeightedColour known(Rgb c) { return {static_cast<float>(c.r), static_cast<float>(c.g), static_cast<float>(c.b), 1}; }
+
+Rgb rounded(const WeightedColour& c) {
+  const auto level = [](float mean) { return static_cast<uint8_t>(std::lround(mean)); };
+  return {level(c.r), level(c.g), level(c.b)};
+}
+
+// Holes go on from what lies farthest beside them, as in views; beyond the border nothing was hidden, and all goes on.
+void fill(Swept& swept) {
+  const Plane<uint8_t> outside = beyond_border(swept.alpha);
+  view::fill_background(swept.inverse_depth, swept.colour, swept.alpha);
+  RgbImage& colour = swept.colour;
+  Plane<WeightedColour> around(colour.width, colour.height);
+  for (size_t i = 0; i < colour.samples.size(); ++i)
+    if (outside.samples[i] == 0) around.samples[i] = known(colour.samples[i]);
+  fill_by_pull_push(around);
+  for (size_t i = 0; i < colour.samples.size(); ++i)
+    if (outside.samples[i] != 0) colour.samples[i] = rounded(around.samples[i]);
 }
 
 uint8_t between(uint8_t a, uint8_t b, double t) { return static_cast<uint8_t>(std::lround(a + (b - a) * t)); }
 
 // Rows lie at equal steps of tan(elevation) in the panorama, at equal steps of elevation in the result.
-RgbImage equal_angles(const RgbImage& image, const PanoramaGrid& grid, double top_rad, int height, int width) {
+RgbImage equal_angles(const Swept& swept, const PanoramaGrid& grid, double top_rad, int height, int width) {
+  const RgbImage& image = swept.colour;
   RgbImage flat(width, height);
   for (int y = 0; y < height; ++y) {
     const double v = std::tan(top_rad - (y + 0.5) * grid.theta_pitch);
@@ -45,8 +75,8 @@ RgbImage equal_angles(const RgbImage& image, const PanoramaGrid& grid, double to
     const int above = std::min(static_cast<int>(from), std::max(0, image.height - 2));
     const int below = std::min(above + 1, image.height - 1);
     for (int x = 0; x < width; ++x) {
-      const Rgb a = image.at(x, above);
-      const Rgb b = image.at(x, below);
+      const Rgb a = image.at(swept.margin + x, above);
+      const Rgb b = image.at(swept.margin + x, below);
       const double t = from - above;
       flat.at(x, y) = {between(a.r, b.r, t), between(a.g, b.g, t), between(a.b, b.b, t)};
     }
@@ -66,9 +96,9 @@ FlatPanorama flatten(const LayeredPanorama& panorama) {
   const double bottom = std::atan(grid.v(grid.height));
   const int height = std::clamp(static_cast<int>(std::lround((top - bottom) / grid.theta_pitch)), 1, flat.full_height);
   Swept swept = seen_first(panorama);
-  trim_rags(swept.alpha, grid.wraps);
-  view::fill_background(swept.inverse_depth, swept.colour, swept.alpha);
-  flat.image = equal_angles(swept.colour, grid, top, height, width);
+  trim_rags(swept.alpha);
+  fill(swept);
+  flat.image = equal_angles(swept, grid, top, height, width);
   flat.left = (flat.full_width - width) / 2;
   const int top_px = static_cast<int>(std::lround((std::numbers::pi / 2 - top) / grid.theta_pitch));
   flat.top = std::clamp(top_px, 0, flat.full_height - height);

@@ -14,8 +14,8 @@ struct FlatPanorama {
   Plane<float> inverse_distance{};
 };
 
-// Without the threads and islands along its border (rags.h); what is not there is filled from what lies farthest beside
-// it.
+// Without the threads and islands along its border (rags.h). Holes are filled from what lies farthest beside them, what
+// lies beyond the border from all around.
 FlatPanorama flatten(const LayeredPanorama& panorama);
 
 }  // namespace ldp

@@ -9,6 +9,7 @@
 
 #include "core/arc/arc.h"
 #include "core/base/exact_math.h"
+#include "core/base/memory/large_arrays.h"
 #include "core/colour/colour.h"
 #include "core/colour/halved_candidates.h"
 #include "core/consistency/back_projection.h"
@@ -414,6 +415,7 @@ class Build {
     return {0.5 * arc.radius, 1.25 * arc.radius, height + 0.1 * arc.radius};
   }
 
+  const RecycledArrays recycled_;
   const FrameSource& frames_;
   const BuildOptions& options_;
   const EffortOptions& effort_;

@@ -10,7 +10,7 @@
 
 #include "core/arc/arc.h"
 #include "core/base/job.h"
-#include "core/base/scratch_space.h"
+#include "core/base/memory/scratch_space.h"
 #include "core/consistency/consistency.h"
 #include "core/geometry/geometry.h"
 #include "core/panorama/panorama.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/arc/arc.h"
-#include "core/base/scratch_space.h"
+#include "core/base/memory/scratch_space.h"
 #include "core/photos/upright_frame.h"
 #include "core/pipeline/build.h"
 #include "core/pipeline/memory_budget.h"

@@ -59,6 +59,39 @@ TEST(ExportFlat, RowsLieAtTheirElevation) {
   EXPECT_EQ(flat.top, std::lround(std::numbers::pi / 4 * 150));
 }
 
+// Red on one half, blue on the other, and nothing above: the turn closes between the two.
+TEST(ExportFlat, WhatIsFilledOfAFullTurnClosesWithoutASeam) {
+  LayeredPanorama panorama = synthetic_panorama({800, 120, 8, 1, false, Rays::pushbroom, true});
+  Layer& front = panorama.layers[0];
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 800; ++x) {
+      front.coverage.at(x, y) = y < 60 ? 0 : 1;
+      front.colour.at(x, y) = x < 400 ? Rgb{250, 0, 0} : Rgb{0, 0, 250};
+    }
+  const RgbImage flat = flatten(panorama).image;
+  ASSERT_EQ(flat.width, 800);
+  const auto step = [&](int left, int right) { return std::abs(flat.at(left, 2).r - flat.at(right, 2).r); };
+  EXPECT_LE(step(799, 0), 2 * step(399, 400) + 2);
+  EXPECT_NEAR(flat.at(0, 2).r, 125, 15) << "as much of the one as of the other";
+}
+
+// The border cuts what is near as well as what is far: beyond it both go on.
+TEST(ExportFlat, BeyondTheBorderAllGoesOn) {
+  LayeredPanorama panorama = plane_panorama(120, 60, 3000);
+  Layer& front = panorama.layers[0];
+  DisparityMap depth(120, 60, 3000);
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 120; ++x) {
+      if (x >= 60) depth.at(x, y) = 500;
+      front.colour.at(x, y) = x < 60 ? Rgb{250, 0, 0} : Rgb{0, 0, 250};
+      front.coverage.at(x, y) = y < 40 ? 1 : 0;
+    }
+  front.depth = encode_depth(depth, 8);
+  const RgbImage flat = flatten(panorama).image;
+  EXPECT_GT(flat.at(20, flat.height - 12).r, 200);
+  EXPECT_GT(flat.at(100, flat.height - 12).b, 200);
+}
+
 TEST(ExportFlat, HolesShowWhatLiesBehindAndElseWhatIsFarthestBesideThem) {
   LayeredPanorama panorama = plane_panorama(120, 60, 3000);
   Layer& front = panorama.layers[0];
@@ -69,7 +102,7 @@ TEST(ExportFlat, HolesShowWhatLiesBehindAndElseWhatIsFarthestBesideThem) {
       const bool near = x < 50;
       if (!near) depth.at(x, y) = 500;
       front.colour.at(x, y) = near ? Rgb{250, 0, 0} : Rgb{0, 0, 250};
-      front.coverage.at(x, y) = x < 40 || x >= 60 ? 1 : 0;
+      front.coverage.at(x, y) = x < 40 || x >= 60 || y < 4 || y >= 56 ? 1 : 0;
       behind.colour.at(x, y) = {0, 250, 0};
       behind.coverage.at(x, y) = x >= 40 && x < 60 && y < 30 ? 1 : 0;
     }

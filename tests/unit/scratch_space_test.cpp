@@ -1,4 +1,4 @@
-#include "core/base/scratch_space.h"
+#include "core/base/memory/scratch_space.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -1,1 +1,1 @@
-ldp_test(types_test SOURCES files_test.cpp scratch_space_test.cpp types_test.cpp NATIVE_ONLY ScratchSpaceTest.TheProcessIsBackWithinItsBudget USES ldp_photos)
+ldp_test(types_test SOURCES files_test.cpp large_arrays_test.cpp scratch_space_test.cpp types_test.cpp NATIVE_ONLY ScratchSpaceTest.TheProcessIsBackWithinItsBudget USES ldp_photos)

@@ -13,6 +13,7 @@
 
 #include "core/base/files.h"
 #include "core/base/markup_text.h"
+#include "core/base/memory/large_arrays.h"
 #include "core/base/processor_time.h"
 #include "core/captures/json_text.h"
 #include "core/panorama/file/ldp_file.h"
@@ -151,6 +152,7 @@ void report_failure(const BuildCommand& command, const Failure& failure) {
 int run(const BuildCommand& command, const Session& session) {
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
+  const RecycledArrays recycled;
   PoseEstimator begun{PosesOptions{}};
   if (command.follow) begun = follow_capture(command.setup, STDIN_FILENO, job);
   const auto begin = std::chrono::steady_clock::now();

@@ -1,4 +1,4 @@
-#include "core/base/scratch_space.h"
+#include "core/base/memory/scratch_space.h"
 
 #include <fcntl.h>
 #include <linux/magic.h>
@@ -19,6 +19,9 @@
 #include <system_error>
 #include <thread>
 #include <utility>
+
+#include "core/base/memory/large_arrays.h"
+#include "core/base/memory/resident_bytes.h"
 
 namespace ldp {
 namespace {
@@ -83,18 +86,6 @@ bool take_room(int file, size_t bytes) {
   return free >= bytes + kStaysFree && ::fallocate(file, 0, 0, static_cast<off_t>(bytes)) == 0;
 }
 
-// Bytes of the process that are in memory.
-size_t resident_bytes() {
-  char text[128] = {};
-  const int file = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
-  if (file < 0) return 0;
-  const ssize_t got = ::read(file, text, sizeof(text) - 1);
-  ::close(file);
-  size_t all = 0, resident = 0;
-  if (got <= 0 || std::sscanf(text, "%zu %zu", &all, &resident) != 2) return 0;
-  return resident * static_cast<size_t>(::sysconf(_SC_PAGESIZE));
-}
-
 using Clock = std::chrono::steady_clock;
 
 Clock::time_point& next_look() {
@@ -155,17 +146,23 @@ ScratchSpace::ScratchSpace(const std::string& in, size_t resident_bytes) {
     throw std::runtime_error(in + ": cannot make a file for scratch space: " + std::strerror(errno));
   if (is_memory(in)) throw std::runtime_error(in + ": no scratch space, files there are in memory too");
   auto keeper = std::make_unique<Keeper>();
-  const std::lock_guard lock(mutex());
-  if (!folder().empty()) throw std::logic_error("there is a scratch space already");
-  folder() = in;
-  budget() = resident_bytes;
-  keeper_ = std::move(keeper);
+  {
+    const std::lock_guard lock(mutex());
+    if (!folder().empty()) throw std::logic_error("there is a scratch space already");
+    folder() = in;
+    budget() = resident_bytes;
+    keeper_ = std::move(keeper);
+  }
+  forget_kept_arrays();
 }
 
 ScratchSpace::~ScratchSpace() {
   keeper_.reset();
-  const std::lock_guard lock(mutex());
-  folder().clear();
+  {
+    const std::lock_guard lock(mutex());
+    folder().clear();
+  }
+  forget_kept_arrays();
 }
 
 size_t ScratchSpace::bytes() const {
@@ -190,6 +187,11 @@ void* map_scratch(size_t bytes) {
   const std::lock_guard lock(mutex());
   arrays().emplace(array, bytes);
   return array;
+}
+
+bool is_where_new_ones_are(void* array) noexcept {
+  const std::lock_guard lock(mutex());
+  return arrays().contains(array) != folder().empty();
 }
 
 bool unmap_scratch(void* array) noexcept {
