@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "core/base/plane.h"
 
 namespace ldp {
@@ -83,6 +85,11 @@ TEST(BeyondBorder, HolesAreNotBeyondWhatReachesTheEdgeIs) {
   EXPECT_EQ(beyond.at(30, 30), 0);
   for (const int x : {0, 10, kWidth - 1})
     for (const int y : {0, 45, kHeight - 1}) EXPECT_EQ(beyond.at(x, y), 1) << x << ", " << y;
+  for (const auto& [x, y] : {std::pair{0, 45}, {kWidth - 1, 45}, {60, 0}, {60, kHeight - 1}}) {
+    Plane<uint8_t> notched(kWidth, kHeight, 1);
+    notched.at(x, y) = 0;
+    EXPECT_EQ(beyond_border(notched).at(x, y), 1) << "at the edge, " << x << ", " << y;
+  }
   EXPECT_EQ(beyond_border(nothing()), Plane<uint8_t>(kWidth, kHeight, 1));
   EXPECT_EQ(beyond_border(Plane<uint8_t>(kWidth, kHeight, 255)), nothing());
 }
