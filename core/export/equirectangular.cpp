@@ -13,8 +13,9 @@
 namespace ldp {
 namespace {
 
-// Columns of its other end that a full turn is given on either side, so that what is filled closes as well.
-constexpr int kMargin_px = 256;
+// Columns of its other end that a full turn is given on either side, so that what is filled closes as well, and at most
+// one in so many of its own.
+constexpr int kMargin_px = 256, kMarginParts = 4;
 
 struct Swept {
   int margin = 0;  // columns before the panorama's first
@@ -26,7 +27,7 @@ struct Swept {
 // What is seen first at each place of the grid.
 Swept seen_first(const LayeredPanorama& panorama) {
   const PanoramaGrid& grid = panorama.grid;
-  const int margin = grid.wraps ? std::min(grid.width, kMargin_px) : 0;
+  const int margin = grid.wraps ? std::min(grid.width / kMarginParts, kMargin_px) : 0;
   const int width = grid.width + 2 * margin;
   Swept swept = {margin, RgbImage(width, grid.height), Plane<float>(width, grid.height, -1),
                  Plane<uint8_t>(width, grid.height)};
@@ -41,13 +42,6 @@ Swept seen_first(const LayeredPanorama& panorama) {
       swept.alpha.at(x, y) = 255;
     }
   return swept;
-}
-
-WeightedColour known(Rgb c) { return {static_cast<float>(c.r), static_cast<float>(c.g), static_cast<float>(c.b), 1}; }
-
-Rgb rounded(const WeightedColour& c) {
-  const auto level = [](float mean) { return static_cast<uint8_t>(std::lround(mean)); };
-  return {level(c.r), level(c.g), level(c.b)};
 }
 
 // Holes go on from what lies farthest beside them, as in views; beyond the border nothing was hidden, and all goes on.

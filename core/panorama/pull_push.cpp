@@ -1,7 +1,9 @@
 #include "core/panorama/pull_push.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace ldp {
@@ -56,6 +58,11 @@ void push(const Cells& coarse, Cells& fine) {
 }
 
 }  // namespace
+
+Rgb rounded(const WeightedColour& colour) {
+  const auto level = [](float mean) { return static_cast<uint8_t>(std::lround(mean)); };
+  return {level(colour.r), level(colour.g), level(colour.b)};
+}
 
 void fill_by_pull_push(Plane<WeightedColour>& image) {
   std::vector<Cells> coarser;

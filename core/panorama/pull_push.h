@@ -12,6 +12,11 @@ struct WeightedColour {
   float weight = 0;           // 0 = unknown .. 1 = known
 };
 
+inline WeightedColour known(Rgb c) {
+  return {static_cast<float>(c.r), static_cast<float>(c.g), static_cast<float>(c.b), 1};
+}
+Rgb rounded(const WeightedColour& colour);
+
 // All weights are 1 afterwards. Mid-grey where nothing is known at all.
 void fill_by_pull_push(Plane<WeightedColour>& image);
 

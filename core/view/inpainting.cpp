@@ -57,8 +57,7 @@ Plane<WeightedColour> rim_of_holes(const Plane<float>& inverse_z, const RgbImage
       for (int ny = std::max(0, y - kRimPx); ny <= std::min(rim.height - 1, y + kRimPx); ++ny)
         for (int nx = std::max(0, x - kRimPx); nx <= std::min(rim.width - 1, x + kRimPx); ++nx) {
           if (alpha.at(nx, ny) < kSolidAlpha || inverse_z.at(nx, ny) > farthest) continue;
-          const Rgb c = colour.at(nx, ny);
-          rim.at(nx, ny) = {static_cast<float>(c.r), static_cast<float>(c.g), static_cast<float>(c.b), 1};
+          rim.at(nx, ny) = known(colour.at(nx, ny));
         }
     }
   return rim;

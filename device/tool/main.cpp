@@ -169,8 +169,9 @@ CLI::App& add_command(Program& program, const std::string& name, const std::stri
   return command;
 }
 
-// Planes come and go with the stages. Each in a mapping of its own goes back to the system when it is freed, so that
-// the peak is that of one stage, not the sum of what fragments leave behind. What one thread frees another takes.
+// Planes come and go with the stages. Each in a mapping of its own goes back to the system when it is freed and not
+// kept (large_arrays.h), so that the peak is that of one stage, not the sum of what fragments leave behind. What one
+// thread frees another takes.
 void return_freed_memory() {
 #if defined(__GLIBC__)
   mallopt(M_MMAP_THRESHOLD, 1 << 18);

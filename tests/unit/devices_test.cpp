@@ -205,7 +205,10 @@ TEST(ScriptButton, AWrongWordIsNamedWithItsLine) {
   EXPECT_THAT(complaint([&] { open_script_button(Url("script:" + (folder / "script").string())); }),
               testing::AllOf(HasSubstr(":2:"), HasSubstr("'wait'")));
   EXPECT_THAT(complaint([] { open_script_button(Url("script:/nowhere")); }), HasSubstr("'/nowhere': check its name"));
-  EXPECT_THAT(complaint([] { open_script_button(Url("script:/dev/null")); }), HasSubstr("is empty"));
+  EXPECT_THAT(complaint([] { open_script_button(Url("script:/dev/null")); }), HasSubstr("is empty: a pipe"));
+  std::ofstream(folder / "empty").close();
+  EXPECT_THAT(complaint([&] { open_script_button(Url("script:" + (folder / "empty").string())); }),
+              testing::EndsWith("is empty"));
 }
 
 TEST(ScriptButton, WaitsBeyondAnyClockAndScriptsWithoutEndAreRefused) {

@@ -117,7 +117,7 @@ TEST(RecycledArrays, NoneIsCarriedIntoAScratchSpaceNorOutOfIt) {
     const ScratchSpace scratch(folder, std::numeric_limits<size_t>::max());
     EXPECT_EQ(RecycledArrays::kept_bytes(), 0U);
     from_before = {};
-    EXPECT_EQ(RecycledArrays::kept_bytes(), 0U) << "it can not be let go";
+    EXPECT_EQ(RecycledArrays::kept_bytes(), 0U) << "it cannot be let go";
     of_the_space = mebibytes(3);
     EXPECT_EQ(scratch.bytes(), 3U * kMiB);
     mebibytes(4);

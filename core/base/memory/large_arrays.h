@@ -29,8 +29,7 @@ class RecycledArrays {
 // Where arrays come from is about to be another place.
 void forget_kept_arrays();
 
-// Of a scratch space where there is one (scratch_space.h), otherwise of the heap; throws
-// std::bad_alloc.
+// Of a scratch space where there is one (scratch_space.h), otherwise of the heap; throws std::bad_alloc.
 void* take_large_array(size_t bytes);
 void give_back_large_array(void* array) noexcept;
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <string>
 
@@ -160,10 +159,7 @@ std::vector<uint8_t> make_thumbnail(const LayeredPanorama& panorama) {
     for (int x = 0; x < small.width; ++x) small.at(x, y) = mean_seen(panorama, x * k, y * k, k);
   fill_by_pull_push(small);
   RgbImage image(small.width, small.height);
-  const auto level = [](float mean) { return static_cast<uint8_t>(std::lround(mean)); };
-  std::transform(small.samples.begin(), small.samples.end(), image.samples.begin(), [&](const WeightedColour& c) {
-    return Rgb{level(c.r), level(c.g), level(c.b)};
-  });
+  std::transform(small.samples.begin(), small.samples.end(), image.samples.begin(), rounded);
   return encode_jpeg(image, kThumbnailQuality);
 }
 

@@ -152,7 +152,7 @@ void report_failure(const BuildCommand& command, const Failure& failure) {
 int run(const BuildCommand& command, const Session& session) {
   std::optional<ProgressBar> bar(session.progress_fd);
   const Job job = start_job(session, *bar);
-  const RecycledArrays recycled;
+  const RecycledArrays recycled;  // of photos that come in before the build, too
   PoseEstimator begun{PosesOptions{}};
   if (command.follow) begun = follow_capture(command.setup, STDIN_FILENO, job);
   const auto begin = std::chrono::steady_clock::now();
