@@ -13,9 +13,14 @@
 namespace ldp {
 namespace {
 
-// Columns of its other end that a full turn is given on either side, so that what is filled closes as well, and at most
-// one in so many of its own.
-constexpr int kMargin_px = 256, kMarginParts = 4;
+// Columns of its other end that a full turn is given on either side, so that what is filled closes as well: an eighth
+// of its own, more where that takes little memory.
+constexpr int kMargin_px = 256, kMarginParts = 8, kFewPixels = 1 << 17;
+
+int margin_of(const PanoramaGrid& grid) {
+  if (!grid.wraps) return 0;
+  return std::min({grid.width, kMargin_px, std::max(grid.width / kMarginParts, kFewPixels / grid.height)});
+}
 
 struct Swept {
   int margin = 0;  // columns before the panorama's first
@@ -27,7 +32,7 @@ struct Swept {
 // What is seen first at each place of the grid.
 Swept seen_first(const LayeredPanorama& panorama) {
   const PanoramaGrid& grid = panorama.grid;
-  const int margin = grid.wraps ? std::min(grid.width / kMarginParts, kMargin_px) : 0;
+  const int margin = margin_of(grid);
   const int width = grid.width + 2 * margin;
   Swept swept = {margin, RgbImage(width, grid.height), Plane<float>(width, grid.height, -1),
                  Plane<uint8_t>(width, grid.height)};

@@ -36,8 +36,8 @@ struct ExportCommand {
 // Measured: the viewer and layered images take up to 5 bytes a pixel, a mesh 45 for each point of it.
 constexpr BytesBeside kExporting{.per_pixel = 5, .per_present_pixel = 64, .always = 16 << 20};
 
-// A flat panorama, whose holes are filled: 34 bytes a pixel, of a full turn half as many pixels more.
-constexpr BytesBeside kFlattening{.per_pixel_once = 51, .always = 16 << 20};
+// A flat panorama, whose holes are filled: 34 bytes a pixel, of a full turn a quarter more pixels.
+constexpr BytesBeside kFlattening{.per_pixel_once = 43, .always = 16 << 20};
 
 // A picture from a place takes what rendering takes, and its own bands.
 constexpr BytesBeside kSeeing{
