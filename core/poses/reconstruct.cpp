@@ -154,6 +154,7 @@ class SweepReconstruction {
   void match_again_if_poor();
 
   void refine_on_klt_tracks();
+  void become_rotation();
   std::vector<Track> klt_tracks() const;
   double klt_iteration(double tolerance, double inliers_before);
   void refine_until_focal_converges();
@@ -278,12 +279,8 @@ void SweepReconstruction::refine_on_klt_tracks() {
   job_.report("adjusting", 0.8);
   if (!is_rotation() && share_beyond_infinity(result_.bundle) > kMaxBeyondShare) refinement_.enforce_cheirality();
   refine_until_focal_converges();
-  if (!is_rotation() && is_false_arc(sweep_, result_.tracks, result_.bundle, job_)) {
-    result_.motion = Motion::rotation;
-    refinement_.set_model(MotionModel::rotation);
-    refine_until_focal_converges();
-  }
   refinement_.select_distortion_model(result_);  // before corners join: it compares costs of the same points
+  if (!is_rotation() && is_false_arc(sweep_, result_.tracks, result_.bundle, job_)) become_rotation();
   if (!is_rotation()) classify_motion(sweep_, result_);
   if (is_ill_conditioned(result_)) {
     add_corner_tracks(sweep_, job_, result_);
@@ -295,6 +292,15 @@ void SweepReconstruction::refine_on_klt_tracks() {
   require(sweep_, result_.left_out);
   refinement_.triangulate(result_.tracks, kKltTolerances_px[1], result_);
   if (!is_rotation()) classify_motion(sweep_, result_);
+}
+
+void SweepReconstruction::become_rotation() {
+  result_.motion = Motion::rotation;
+  refinement_.set_model(MotionModel::rotation);
+  refinement_.fix_distortion();
+  result_.bundle.lens.k1 = result_.bundle.lens.k2 = 0;
+  refine_until_focal_converges();
+  refinement_.select_distortion_model(result_);
 }
 
 // The reconstruction's tracks, tracked through all frames. Those that cannot be tracked stay as matched where a frame

@@ -103,13 +103,14 @@ bool closes(const MatchedSweep& sweep, const Reconstruction& r) {
 }
 
 // Cameras and lens that explain the longest tracks best if all of it were far.
-Bundle rotating(const MatchedSweep& sweep, const std::vector<Track>& tracks, const Bundle& from, const Job& job) {
+Bundle rotating(const MatchedSweep& sweep, const std::vector<Track>& tracks, const Bundle& from, bool refine_distortion,
+                const Job& job) {
   Bundle rotation = from;
   triangulate_tracks(longest_tracks(tracks, sweep, kParallaxObservationsPerFrame), rotation);
   for (InversePoint& point : rotation.points) point.inverse_distance = 0;
   BundleAdjustmentOptions options;
   options.model = MotionModel::rotation;
-  options.refine_distortion = true;
+  options.refine_distortion = refine_distortion;
   options.loss_px = sweep.pixels(0.5 * kParallax_px);
   adjust_bundle(rotation, options, job);
   return rotation;
@@ -118,15 +119,16 @@ Bundle rotating(const MatchedSweep& sweep, const std::vector<Track>& tracks, con
 }  // namespace
 
 bool is_pure_rotation(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job) {
-  const Bundle rotation = rotating(sweep, tracks, bundle, job);
+  const Bundle rotation = rotating(sweep, tracks, bundle, true, job);
   if (outlier_share(rotation, sweep.pixels(kParallax_px)) > kMaxParallaxShare) return false;
   bundle = rotation;
   return true;
 }
 
 bool is_false_arc(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job) {
-  const Bundle rotation = rotating(sweep, tracks, bundle, job);
+  const Bundle rotation = rotating(sweep, tracks, bundle, false, job);
   const double log_focal = std::abs(std::log(rotation.lens.focal_px / bundle.lens.focal_px));
+  if (log_focal < kMinFalseArcLogFocal) return false;
   const double unexplained = outlier_share(rotation, sweep.pixels(kShaking_px));
   if (unexplained > std::min(kMaxShakingShare, kMaxShakingPerLogFocal * log_focal)) return false;
   bundle = rotation;

@@ -17,8 +17,9 @@ namespace ldp::sfm {
 bool is_pure_rotation(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job);
 
 // Was the arc made of what a shaking hand moves against near things? Then a camera that only rotates, of another focal
-// length, explains nearly all of it: the more the focal lengths differ, the less it has to. Asked of tracks by KLT,
-// which are truer than matches, and of an arc that was refined; if so `bundle` becomes the rotation, as above.
+// length, explains nearly all of it: the more the focal lengths differ, the less it has to. It has the arc's
+// distortion: with one of its own it could bend a short arc's parallax straight. Asked of tracks by KLT, which are
+// truer than matches, and of an arc that was refined; if so `bundle` becomes the rotation, as above.
 bool is_false_arc(const MatchedSweep& sweep, const std::vector<Track>& tracks, Bundle& bundle, const Job& job);
 
 // Puts cameras that go round an arc where the sphere of spherical_motion.h has them: the circle's centre at the origin,

@@ -378,6 +378,31 @@ TEST(EstimatePoses, RecognisesARotationOfAHandThatShakes) {
   }
 }
 
+// A rotation explains a short arc seen through a wide lens to a few pixels, if it may choose how the lens bends, and
+// with another focal length: the parallax would be lost, and the panorama flat.
+TEST(EstimatePoses, KeepsAShortArcThroughAWideLens) {
+  struct Case {
+    const char* scene;
+    uint32_t seed;
+    double radius, fov_deg, k1;
+  };
+  for (const Case& c : {Case{"room", 2, 0.15, 85, 0}, {"garden", 3, 0.2, 75, -0.12}}) {
+    SweepPath path;
+    path.frames = 8;
+    path.fov_rad = c.fov_deg * kDegree;
+    path.arc_rad = 30 * kDegree;
+    path.radius = c.radius, path.position_jitter = 0.006;
+    path.width = 320, path.height = 240;
+    path.k1 = c.k1;
+    path.seed = c.seed;
+    const Scene scene(make_scene(c.scene, c.seed));
+    const std::vector<Camera> truth = sweep_cameras(path);
+    const Poses poses = estimate_poses(photos_of(scene, truth), PosesOptions{}, Job{});
+    EXPECT_EQ(poses.report.motion, Motion::arc) << c.scene;
+    EXPECT_NEAR(poses.cameras[0].intrinsics.fx / truth[0].intrinsics.fx, 1, 0.01) << c.scene;
+  }
+}
+
 // Narrow views, many steps and a lens that bends: a few degrees to the side would pass for a turn in every step, and
 // half the focal length with them.
 TEST(EstimatePoses, RecognisesARotationAllRoundThroughALensThatBends) {
