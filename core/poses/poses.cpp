@@ -13,6 +13,7 @@
 #include "core/poses/pose_doubt.h"
 #include "core/poses/poses_tuning.h"
 #include "core/poses/reconstruct.h"
+#include "core/poses/start/rotation_averaging.h"
 #include "core/poses/tracks/geometric_verification.h"
 
 namespace ldp {
@@ -256,28 +257,33 @@ struct Judged {
   bool may_be_wrong() const { return doubted.kind != PoseDoubt::none || covered.share() < kMinCoveredShare; }
 };
 
-// What is tracked the longest decides where cameras start, and what keeps pace with them is tracked the longest. So
-// where the reconstruction may be wrong, one from tracks spread over the photos takes its place if its points are
-// spread over more of them.
-void keep_what_covers_more(const std::function<Judged()>& reconstruct_spread, Judged& first) {
+// Another reconstruction takes the first one's place if its points are spread over so many times as much of the photos.
+void keep_what_covers_more(double gain, const std::function<Judged()>& reconstruct_otherwise, Judged& first) {
   try {
-    Judged second = reconstruct_spread();
-    if (second.covered.explained > kMinCoverageGain * first.covered.explained) first = std::move(second);
+    Judged second = reconstruct_otherwise();
+    if (second.covered.explained > gain * first.covered.explained) first = std::move(second);
   } catch (const Impossible&) {  // the first one was possible, and stays
   }
 }
 
 // What is told of another lens than was found pulls at the cameras. Without it they are found anew, and stay unless
-// that is impossible, or doubtful where the first ones were not.
+// that is impossible, or doubtful where the first ones were not, or their points are spread over less of the photos.
 bool is_found_without(const std::function<Judged()>& reconstruct_freely, Judged& first) {
   try {
     Judged second = reconstruct_freely();
     if (second.doubted.kind != PoseDoubt::none && first.doubted.kind == PoseDoubt::none) return false;
+    if (first.covered.explained > kMinLensGain * second.covered.explained) return false;
     first = std::move(second);
     return true;
   } catch (const Impossible&) {
     return false;
   }
+}
+
+// A wide lens that bends strongly passes for a narrow one that does not, on a sweep that turns less. So where a narrow
+// one was found, a wide one is tried.
+FocalPrior wide_lens(const MatchedSweep& sweep) {
+  return {kWideFocal * std::max(sweep.features[0].width, sweep.features[0].height), kWideFocalLogSigma};
 }
 
 bool is_of_another_lens(double told_focal) { return std::abs(told_focal - 1) > kMaxToldFocalError; }
@@ -307,9 +313,17 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
     focal.reset();
     if (!is_found_without([&] { return reconstruct_sweep(again); }, judged)) focal = told, told_focal = 1;
   }
+  if (!focal && view_of_longer_side(selected.sweep, judged.found.bundle.lens.focal_px) < kNarrowView_rad) {
+    focal = wide_lens(selected.sweep);
+    keep_what_covers_more(
+        kMinLensGain, [&] { return reconstruct_sweep(again); }, judged);
+    focal.reset();
+  }
+  // What is tracked the longest decides where cameras start, and what keeps pace with them is tracked the longest.
   if (judged.may_be_wrong()) {
     selected.sweep.track_grid = kSpreadTrackGrid;
-    keep_what_covers_more([&] { return reconstruct_sweep(again); }, judged);
+    keep_what_covers_more(
+        kMinCoverageGain, [&] { return reconstruct_sweep(again); }, judged);
   }
   const Reconstruction& found = judged.found;
   Poses poses = to_world(found, selected, frames, options.arm_length);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <numbers>
 
 namespace ldp::sfm {
 
@@ -32,6 +33,9 @@ constexpr double kFocalConverged = 5e-4;  // changes by no more than this share
 constexpr int kCoverageGrid = 10, kSpreadTrackGrid = 6;  // cells of a photo, each way
 constexpr double kMinCoveredShare = 0.8;   // 0 .. 1, of the cells with matches, that points should explain
 constexpr double kMinCoverageGain = 1.02;  // >= 1: so many times as many must the second one explain
+constexpr double kNarrowView_rad = 40 * std::numbers::pi / 180;  // of the longer side: a wide lens that bends may
+constexpr double kWideFocal = 0.6, kWideFocalLogSigma = 0.2;     // pass for less; longer sides, of such a one
+constexpr double kMinLensGain = 1.07;  // >= 1: so many times as many cells must the one lens explain, or the other one
 
 // Known cameras.
 constexpr double kKnownCameraTolerance = 0.005;  // of the longer side: given cameras may be a centimetre off

@@ -422,6 +422,31 @@ TEST(EstimatePoses, RecognisesARotationAllRoundThroughALensThatBends) {
   EXPECT_NEAR(poses.cameras[0].intrinsics.fx / truth[0].intrinsics.fx, 1, 0.01);
 }
 
+// A wide lens that bends strongly looks like a narrow one that does not, of a sweep that turned less: also where a lens
+// was told that is too far off to be kept.
+TEST(EstimatePoses, FindsAWideLensThatBendsStrongly) {
+  SweepPath path;
+  path.frames = 14;
+  path.arc_rad = 120 * kDegree;
+  path.radius = 0.6, path.position_jitter = 0.008;
+  path.fov_rad = 95 * kDegree;
+  path.width = 320, path.height = 240;
+  path.k1 = -0.25;
+  path.seed = 1;
+  const Scene scene(make_scene("room", 1));
+  const std::vector<Camera> truth = sweep_cameras(path);
+  const Photos photos = photos_of(scene, truth);
+  for (const std::optional<double>& told_rad : {std::optional<double>(), std::optional(109 * kDegree)}) {
+    PosesOptions options;
+    options.fov_rad = told_rad;
+    const Poses poses = estimate_poses(photos, options, Job{});
+    EXPECT_EQ(poses.report.motion, Motion::arc);
+    ASSERT_EQ(poses.cameras.size(), truth.size());
+    EXPECT_NEAR(poses.cameras[0].intrinsics.fx / truth[0].intrinsics.fx, 1, 0.02) << told_rad.has_value();
+    EXPECT_NEAR(poses.cameras[0].intrinsics.k1, path.k1, 0.02) << told_rad.has_value();
+  }
+}
+
 TEST(EstimatePoses, DropsAPhotoOfNothingAndNamesIt) {
   std::vector<RgbImage> images = rendered(0.65).images;
   images[3] = RgbImage(400, 300, Rgb{90, 90, 90});
