@@ -307,23 +307,27 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
     judged.agreed = agreement(selected.sweep, judged.found);
     return judged;
   };
-  Judged judged = reconstruct_sweep(job);
+  const auto reconstruct_freely = [&](const Job& of_this) {  // whatever was told of the lens
+    focal.reset();
+    Judged judged = reconstruct_sweep(of_this);
+    if (view_of_longer_side(selected.sweep, judged.found.bundle.lens.focal_px) > kNarrowView_rad) return judged;
+    focal = wide_lens(selected.sweep);
+    const auto reconstruct_wide = [&] { return reconstruct_sweep(again); };
+    keep_what_covers_more(kMinLensGain, reconstruct_wide, judged);
+    focal.reset();
+    return judged;
+  };
+  Judged judged = focal ? reconstruct_sweep(job) : reconstruct_freely(job);
   double told_focal = focal ? focal->focal_px / judged.found.bundle.lens.focal_px : 1;
   if (const std::optional<FocalPrior> told = focal; is_of_another_lens(told_focal)) {
-    focal.reset();
-    if (!is_found_without([&] { return reconstruct_sweep(again); }, judged)) focal = told, told_focal = 1;
+    if (!is_found_without([&] { return reconstruct_freely(again); }, judged)) focal = told, told_focal = 1;
   }
-  if (!focal && view_of_longer_side(selected.sweep, judged.found.bundle.lens.focal_px) < kNarrowView_rad) {
-    focal = wide_lens(selected.sweep);
-    keep_what_covers_more(
-        kMinLensGain, [&] { return reconstruct_sweep(again); }, judged);
-    focal.reset();
-  }
-  // What is tracked the longest decides where cameras start, and what keeps pace with them is tracked the longest.
+  // What is tracked the longest decides where cameras start, and what keeps pace with them is tracked the longest. So
+  // where they may be wrong, tracks spread over the photos are tried.
   if (judged.may_be_wrong()) {
     selected.sweep.track_grid = kSpreadTrackGrid;
-    keep_what_covers_more(
-        kMinCoverageGain, [&] { return reconstruct_sweep(again); }, judged);
+    const auto reconstruct_spread = [&] { return reconstruct_sweep(again); };
+    keep_what_covers_more(kMinCoverageGain, reconstruct_spread, judged);
   }
   const Reconstruction& found = judged.found;
   Poses poses = to_world(found, selected, frames, options.arm_length);

@@ -294,6 +294,7 @@ void SweepReconstruction::refine_on_klt_tracks() {
   if (!is_rotation()) classify_motion(sweep_, result_);
 }
 
+// The distortion that the arc took is chosen anew, too.
 void SweepReconstruction::become_rotation() {
   result_.motion = Motion::rotation;
   refinement_.set_model(MotionModel::rotation);

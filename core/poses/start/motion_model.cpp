@@ -102,7 +102,8 @@ bool closes(const MatchedSweep& sweep, const Reconstruction& r) {
   return across >= kMinSeamTracks;
 }
 
-// Cameras and lens that explain the longest tracks best if all of it were far.
+// Cameras and lens that explain the longest tracks best if all of it were far; with a distortion of its own, or the one
+// that it has.
 Bundle rotating(const MatchedSweep& sweep, const std::vector<Track>& tracks, const Bundle& from, bool refine_distortion,
                 const Job& job) {
   Bundle rotation = from;

@@ -423,7 +423,7 @@ TEST(EstimatePoses, RecognisesARotationAllRoundThroughALensThatBends) {
 }
 
 // A wide lens that bends strongly looks like a narrow one that does not, of a sweep that turned less: also where a lens
-// was told that is too far off to be kept.
+// was told that is too far off to be kept, which is told then.
 TEST(EstimatePoses, FindsAWideLensThatBendsStrongly) {
   SweepPath path;
   path.frames = 14;
@@ -444,6 +444,7 @@ TEST(EstimatePoses, FindsAWideLensThatBendsStrongly) {
     ASSERT_EQ(poses.cameras.size(), truth.size());
     EXPECT_NEAR(poses.cameras[0].intrinsics.fx / truth[0].intrinsics.fx, 1, 0.02) << told_rad.has_value();
     EXPECT_NEAR(poses.cameras[0].intrinsics.k1, path.k1, 0.02) << told_rad.has_value();
+    EXPECT_EQ(poses.report.told_focal < 0.85, told_rad.has_value()) << "as is told";
   }
 }
 
