@@ -283,7 +283,7 @@ bool is_found_without(const std::function<Judged()>& reconstruct_freely, Judged&
 // A wide lens that bends strongly passes for a narrow one that does not, on a sweep that turns less. So where a narrow
 // one was found, a wide one is tried.
 FocalPrior wide_lens(const MatchedSweep& sweep) {
-  return {kWideFocal * std::max(sweep.features[0].width, sweep.features[0].height), kWideFocalLogSigma};
+  return {kWideFocal * std::max(sweep.features[0].width, sweep.features[0].height), kWideFocalLogSigma, true};
 }
 
 bool is_of_another_lens(double told_focal) { return std::abs(told_focal - 1) > kMaxToldFocalError; }

@@ -278,8 +278,10 @@ void SweepReconstruction::match_again_if_poor() {
 void SweepReconstruction::refine_on_klt_tracks() {
   job_.report("adjusting", 0.8);
   if (!is_rotation() && share_beyond_infinity(result_.bundle) > kMaxBeyondShare) refinement_.enforce_cheirality();
+  if (focal_ && focal_->is_guess) refinement_.forget_focal_prior();
   refine_until_focal_converges();
-  refinement_.select_distortion_model(result_);  // before corners join: it compares costs of the same points
+  // Before corners join: it compares costs of the same points.
+  if (refinement_.select_distortion_model(result_)) refine_until_focal_converges();
   if (!is_rotation() && is_false_arc(sweep_, result_.tracks, result_.bundle, job_)) become_rotation();
   if (!is_rotation()) classify_motion(sweep_, result_);
   if (is_ill_conditioned(result_)) {

@@ -2,9 +2,10 @@
 //
 //   poses_bench                            the table over every data set
 //   poses_bench --sweeps N [--first SEED] [--size WxH] [--scene NAME] [--cache DIR] [--fov-factor FACTOR]
-//               [--crowd SHARE]              N synthetic sweeps of every kind, a table and the failures by name; the
+//               [--crowd SHARE] [--bent]     N synthetic sweeps of every kind, a table and the failures by name; the
 //                                          field of view is told so many times too wide, or not at all; people who walk
-//                                          by hide that share (0 .. 0.5) of each sweep's fullest picture
+//                                          by hide that share (0 .. 0.5) of each sweep's fullest picture; the lens
+//                                          bends as real ones do (k1 -.12 .. .04) instead of not at all
 //   poses_bench FOLDER [--fov DEGREES] [--cameras transforms.json] [--threads N] [-o transforms.json] [-v]
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -145,7 +146,7 @@ struct Arguments {
   double fov = 0, fov_factor = 0, crowd = 0;
   int threads = 2, sweeps = 0, width = 640, height = 480;
   unsigned first = 1;
-  bool verbose = false;
+  bool verbose = false, bent = false;
 };
 
 const char* word(Motion motion) {
@@ -227,7 +228,8 @@ class Synthetic : public FrameSource {
   Synthetic(const SceneCaptureOptions& options, const fs::path& cache) : sweep_(options) {
     if (cache.empty()) return;
     cache_ = cache / (options.scene + "_" + std::to_string(options.seed) + "_" + std::to_string(options.path.width) +
-                      (options.crowd > 0 ? "_crowd" + std::to_string(options.crowd) : ""));
+                      (options.crowd > 0 ? "_crowd" + std::to_string(options.crowd) : "") +
+                      (options.path.k1 != 0 ? "_bent" : ""));
     fs::create_directories(cache_);
   }
   int size() const override { return static_cast<int>(sweep_.cameras().size()); }
@@ -255,7 +257,7 @@ double between(std::mt19937& random, double low, double high) {
 // to 40, in the room on its wall 1 m from the camera, as whoever picks frames by overlap picks them; where 40 are too
 // few for that, the view is wider. `repeated`, where everything looks like its neighbour, is a trial of its own
 // (--scene).
-SceneCaptureOptions random_sweep(unsigned seed, const std::string& scene) {
+SceneCaptureOptions random_sweep(unsigned seed, const std::string& scene, bool bent) {
   std::mt19937 random(seed);
   constexpr double kArcs[] = {30, 60, 120, 180, 300, 360};
   SceneCaptureOptions options;
@@ -278,17 +280,20 @@ SceneCaptureOptions random_sweep(unsigned seed, const std::string& scene) {
   options.blur_px = between(random, 0, 2);
   options.exposure_drift = between(random, 0, 0.4);
   options.moving_share = 0.1;
+  if (bent) path.k1 = between(random, -0.12, 0.04);  // drawn last: all else is as without
   return options;
 }
 
 bool run_sweep(unsigned seed, const Arguments& arguments) {
-  SceneCaptureOptions options = random_sweep(seed, arguments.scene);
+  SceneCaptureOptions options = random_sweep(seed, arguments.scene, arguments.bent);
   SweepPath& path = options.path;
   path.width = arguments.width, path.height = arguments.height;
   options.crowd = arguments.crowd;
-  std::printf("%3u %-10s arc %3.0f fov %2.0f frames %2d radius %.2f jitter %.1f cm %.1f deg: ", seed,
+  std::printf("%3u %-10s arc %3.0f fov %2.0f frames %2d radius %.2f jitter %.1f cm %.1f deg", seed,
               options.scene.c_str(), path.arc_rad / kDegree, path.fov_rad / kDegree, path.frames, path.radius,
               100 * path.position_jitter, path.angle_jitter_rad / kDegree);
+  if (path.k1 != 0) std::printf(" k1 %.3f", path.k1);
+  std::printf(": ");
   const Synthetic source(options, arguments.cache);
   Job job;
   job.threads = arguments.threads;
@@ -350,6 +355,8 @@ Arguments parse(int argc, char** argv) {
         throw std::runtime_error("--size wants WIDTHxHEIGHT");
     } else if (a == "-v")
       arguments.verbose = true;
+    else if (a == "--bent")
+      arguments.bent = true;
     else
       arguments.folder = a;
   }

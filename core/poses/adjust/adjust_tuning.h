@@ -19,8 +19,11 @@ constexpr int kMinSimilarNeighbours = 2;        // of these must be as far
 constexpr double kMaxDepthOutlierShare = 0.25;  // of all points: where more seem so, it is the cameras that are wrong
 constexpr double kSameImagePoint_px = 2;        // nearer than that, it is the same thing found twice
 
-// Choice of the distortion model (distortion_model.h).
-constexpr double kMinDistortionGain = 100;  // variances of an observation by which free distortion must lower the cost
+// Choice of the distortion model (distortion_model.h): variances of an observation by which free distortion must lower
+// the cost. Matches are explained a little better by any lens that bends; so are tracks by KLT, the more the more they
+// are.
+constexpr double kMinDistortionGain = 100;
+constexpr double kMinKltDistortionGain = 7, kKltDistortionGainPerObservation = 1e-3;
 
 // Tracks weighed as a whole (robust_tracks.h).
 constexpr double kNoLoss_px = 1e6;                                  // the tracks' weights are all there is

@@ -19,6 +19,7 @@ namespace ldp::sfm {
 struct FocalPrior {
   double focal_px = 0;
   double log_sigma = 0.2;
+  bool is_guess = false;  // to start from, not what anyone told
 };
 
 enum class MotionModel { rotation, spherical, free };

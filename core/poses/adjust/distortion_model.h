@@ -9,8 +9,13 @@
 
 namespace ldp::sfm {
 
-// The bundle (adjusted with `options`, at that cost) adjusted with distortion free, if that lowers the cost clearly.
+// By how many variances of an observation free distortion must lower the cost of the bundle to be believed: on tracks
+// by KLT, which are exact to a tenth of a pixel, less than on matches.
+double min_distortion_gain(const Bundle& bundle, bool on_klt_tracks);
+
+// The bundle (adjusted with `options`, at that cost) adjusted with distortion free, if that lowers the cost by so many
+// variances.
 std::optional<Bundle> adjust_with_distortion(const Bundle& bundle, BundleAdjustmentOptions options, double cost,
-                                             const Job& job);
+                                             double min_gain, const Job& job);
 
 }  // namespace ldp::sfm

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/poses/adjust/adjust_tuning.h"
 #include "core/poses/adjust/depth_outliers.h"
 #include "core/poses/adjust/distortion_model.h"
 #include "core/poses/adjust/robust_tracks.h"
@@ -55,9 +56,10 @@ void IterativeRefinement::iterate(const std::vector<Track>& tracks, double toler
   triangulate(tracks, tolerance, r);
   if (tolerance <= kKltTolerances_px[0] && options_.model != MotionModel::rotation) reject_depth_outliers(r);
   const double loss = sweep_->pixels(std::min(kLossPerTolerance * tolerance, kMaxLoss_px));
-  options_.loss_px = (is_klt_tolerance(tolerance) ? kKltLossShare : 1) * loss;
+  on_klt_tracks_ = is_klt_tolerance(tolerance);
+  options_.loss_px = (on_klt_tracks_ ? kKltLossShare : 1) * loss;
   const bool last = tolerance == kKltTolerances_px[1];
-  options_.arc_sigma = std::max({arc_sigma, min_arc_sigma_, is_klt_tolerance(tolerance) ? estimated_arc_sigma_ : 0});
+  options_.arc_sigma = std::max({arc_sigma, min_arc_sigma_, on_klt_tracks_ ? estimated_arc_sigma_ : 0});
   options_.two_view_weight = trusts_two_view_points_ || last     ? 1
                              : tolerance == kKltTolerances_px[0] ? kKltTwoViewWeight
                                                                  : kMatchTwoViewWeight;
@@ -65,7 +67,7 @@ void IterativeRefinement::iterate(const std::vector<Track>& tracks, double toler
   options_.function_tolerance = tolerance > kFineTolerance_px      ? kCoarseFunctionTolerance
                                 : tolerance > kKltTolerances_px[1] ? kMediumFunctionTolerance
                                                                    : kFineFunctionTolerance;
-  options_.step_priors = is_klt_tolerance(tolerance) || options_.model == MotionModel::rotation
+  options_.step_priors = on_klt_tracks_ || options_.model == MotionModel::rotation
                              ? std::vector<StepPrior>{}
                              : step_priors(*sweep_, r.bundle.lens.focal_px);
   cost_ = adjust_bundle(r.bundle, options_, job_).cost;
@@ -83,12 +85,19 @@ double IterativeRefinement::noise_px(const Reconstruction& r) const {
   return std::max(std::sqrt(cost_ / std::max(1.0, count)), sweep_->pixels(kMinNoise_px));
 }
 
-void IterativeRefinement::select_distortion_model(Reconstruction& r) {
-  if (options_.refine_distortion) return;
-  std::optional<Bundle> distorted = adjust_with_distortion(r.bundle, options_, cost_, job_);
-  if (!distorted) return;
+bool IterativeRefinement::select_distortion_model(Reconstruction& r) {
+  if (options_.refine_distortion) return false;
+  BundleAdjustmentOptions options = options_;
+  if (on_klt_tracks_) {  // focal length and distortion stand in for each other: a long way, nearly level
+    options.function_tolerance = kFineFunctionTolerance;
+    options.initial_trust_region_radius = kWideTrustRegion;
+  }
+  const double min_gain = min_distortion_gain(r.bundle, on_klt_tracks_);
+  std::optional<Bundle> distorted = adjust_with_distortion(r.bundle, options, cost_, min_gain, job_);
+  if (!distorted) return false;
   r.bundle = std::move(*distorted);
   options_.refine_distortion = true;
+  return true;
 }
 
 void IterativeRefinement::triangulate(const std::vector<Track>& tracks, double tolerance, Reconstruction& r) const {

@@ -18,6 +18,7 @@ class IterativeRefinement {
   void set_min_arc_sigma(double sigma) { min_arc_sigma_ = sigma; }  // of the arc prior whatever an iteration asks for
   void enforce_cheirality() { options_.enforce_cheirality = true; }
   bool has_arc_prior() const { return min_arc_sigma_ < kNoArcSigma && options_.model != MotionModel::rotation; }
+  void forget_focal_prior() { options_.focal_prior.reset(); }
   void fix_distortion() { options_.refine_distortion = false; }
   bool refines_distortion() const { return options_.refine_distortion; }
   void use_threads(int threads) { job_.threads = std::max(1, threads); }  // as when several are at work
@@ -27,8 +28,8 @@ class IterativeRefinement {
   // Triangulates tracks with outlier rejection and adjusts everything to what is left.
   void iterate(const std::vector<Track>& tracks, double tolerance, double arc_sigma, Reconstruction& r);
 
-  // Whether the lens distorts, by the observations of the last iteration.
-  void select_distortion_model(Reconstruction& r);
+  // Whether the lens distorts, by the observations of the last iteration. True if that is new.
+  bool select_distortion_model(Reconstruction& r);
 
   void triangulate(const std::vector<Track>& tracks, double tolerance, Reconstruction& r) const;
 
@@ -39,6 +40,7 @@ class IterativeRefinement {
   const MatchedSweep* sweep_;
   Job job_;
   BundleAdjustmentOptions options_;
+  bool on_klt_tracks_ = false;           // the last iteration
   bool trusts_two_view_points_ = false;  // as much as points that a third photo confirms
   bool reweights_at_end_ = false;
   double min_arc_sigma_ = 0;

@@ -230,7 +230,7 @@ TEST(Adjust, KeepsPointsThisSideOfInfinityWhereAsked) {
 
 // Whether a lens is found to bend by so many variances: pictures of one with this k1, points found to a third of a
 // pixel.
-bool bends(double k1) {
+bool bends(double k1, bool on_klt_tracks) {
   Bundle bundle = true_bundle(MotionModel::free);
   bundle.lens = {700, 0, 0};
   std::mt19937 random(3);
@@ -246,7 +246,8 @@ bool bends(double k1) {
   options.arc_sigma = 0.05;
   const BundleAdjustmentSummary straight = adjust_bundle(bundle, options, Job{});
   EXPECT_TRUE(straight.usable);
-  const std::optional<Bundle> bent = adjust_with_distortion(bundle, options, straight.cost, Job{});
+  const std::optional<Bundle> bent =
+      adjust_with_distortion(bundle, options, straight.cost, min_distortion_gain(bundle, on_klt_tracks), Job{});
   if (bent) {
     EXPECT_NEAR(bent->lens.k1, k1, 0.02);
   }
@@ -254,11 +255,21 @@ bool bends(double k1) {
 }
 
 TEST(AdjustWithDistortion, IsFreedWhereItExplainsClearlyMore) {
-  EXPECT_TRUE(bends(-0.05));
-  EXPECT_TRUE(bends(0.05));
+  for (const bool on_klt_tracks : {false, true}) {
+    EXPECT_TRUE(bends(-0.05, on_klt_tracks));
+    EXPECT_TRUE(bends(0.05, on_klt_tracks));
+  }
 }
 
-TEST(AdjustWithDistortion, StaysStraightWhereItExplainsTheNoiseALittleBetter) { EXPECT_FALSE(bends(0)); }
+TEST(AdjustWithDistortion, IsFreedByLessOnTracksThanOnMatches) {
+  EXPECT_TRUE(bends(-0.003, true));
+  EXPECT_FALSE(bends(-0.003, false));
+}
+
+TEST(AdjustWithDistortion, StaysStraightWhereItExplainsTheNoiseALittleBetter) {
+  EXPECT_FALSE(bends(0, false));
+  EXPECT_FALSE(bends(0, true));
+}
 
 }  // namespace
 }  // namespace ldp::sfm

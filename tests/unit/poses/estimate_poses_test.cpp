@@ -13,6 +13,7 @@
 #include "sim/scene/picture.h"
 #include "sim/scene/scenes.h"
 #include "sim/scene/sweep_path.h"
+#include "sim/scene_capture.h"
 #include "tests/unit/poses/known_sweep.h"
 
 namespace ldp::sfm {
@@ -422,6 +423,32 @@ TEST(EstimatePoses, RecognisesARotationAllRoundThroughALensThatBends) {
   EXPECT_NEAR(poses.cameras[0].intrinsics.fx / truth[0].intrinsics.fx, 1, 0.01);
 }
 
+// Another focal length, and steps that turn more or less, stand in for a little bending nearly as well.
+TEST(EstimatePoses, FindsALensThatBendsALittle) {
+  struct Case {
+    const char* scene;
+    int frames;
+    double arc_deg, radius, fov_deg, k1;
+  };
+  for (const Case& c : {Case{"terrace", 4, 60, 0.8, 58, 0.04},
+                        {"courtyard", 8, 60, 0.8, 58, -0.03},
+                        {"garden", 9, 90, 0.25, 45, 0.02}}) {
+    SweepPath path;
+    path.frames = c.frames;
+    path.arc_rad = c.arc_deg * kDegree;
+    path.radius = c.radius;
+    path.fov_rad = c.fov_deg * kDegree;
+    path.width = 320, path.height = 240;
+    path.k1 = c.k1;
+    const Scene scene(make_scene(c.scene, 1));
+    const std::vector<Camera> truth = sweep_cameras(path);
+    const Poses poses = estimate_poses(photos_of(scene, truth), PosesOptions{}, Job{});
+    ASSERT_EQ(poses.cameras.size(), truth.size()) << c.scene;
+    EXPECT_NEAR(poses.cameras[0].intrinsics.fx / truth[0].intrinsics.fx, 1, 0.01) << c.scene;
+    EXPECT_NEAR(poses.cameras[0].intrinsics.k1, c.k1, 0.01) << c.scene;
+  }
+}
+
 // A wide lens that bends strongly looks like a narrow one that does not, of a sweep that turned less: also where a lens
 // was told that is too far off to be kept, which is told then.
 TEST(EstimatePoses, FindsAWideLensThatBendsStrongly) {
@@ -446,6 +473,25 @@ TEST(EstimatePoses, FindsAWideLensThatBendsStrongly) {
     EXPECT_NEAR(poses.cameras[0].intrinsics.k1, path.k1, 0.02) << told_rad.has_value();
     EXPECT_EQ(poses.report.told_focal < 0.85, told_rad.has_value()) << "as is told";
   }
+}
+
+// The wide lens that is tried in case is a guess. As evidence it would shorten the focal length here, and bend the
+// lens.
+TEST(EstimatePoses, AGuessOfAWideLensIsNoEvidence) {
+  SceneCaptureOptions options;
+  options.scene = "garden";
+  options.seed = options.path.seed = 1006;
+  options.path.frames = 16;
+  options.path.radius = 0.8;
+  options.path.fov_rad = 35 * kDegree;
+  options.path.position_jitter = 0.03, options.path.angle_jitter_rad = 1.2 * kDegree;
+  options.path.width = 320, options.path.height = 240;
+  options.noise = 1;
+  const SceneSweep sweep(options);
+  std::vector<RgbImage> images;
+  for (int i = 0; i < options.path.frames; ++i) images.push_back(sweep.take(i, Job{}).colour);
+  const Poses poses = estimate_poses(Photos(std::move(images)), PosesOptions{}, Job{});
+  EXPECT_NEAR(poses.cameras[0].intrinsics.fx / sweep.cameras()[0].intrinsics.fx, 1, 0.01);
 }
 
 TEST(EstimatePoses, DropsAPhotoOfNothingAndNamesIt) {
