@@ -302,7 +302,7 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
   const auto reconstruct_sweep = [&](const Job& of_this) {
     selected.sweep.pairs = verified;
     Judged judged{reconstruct(selected.sweep, focal, of_this), {}, {}};
-    judged.doubted = doubt(selected.sweep, judged.found, names, focal.has_value());
+    judged.doubted = doubt(selected.sweep, judged.found, names, focal && !focal->is_guess);
     judged.covered = coverage(selected.sweep, judged.found);
     judged.agreed = agreement(selected.sweep, judged.found);
     return judged;

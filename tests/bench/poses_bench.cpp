@@ -2,10 +2,10 @@
 //
 //   poses_bench                            the table over every data set
 //   poses_bench --sweeps N [--first SEED] [--size WxH] [--scene NAME] [--cache DIR] [--fov-factor FACTOR]
-//               [--crowd SHARE] [--bent]     N synthetic sweeps of every kind, a table and the failures by name; the
+//               [--crowd SHARE] [--distorted] N synthetic sweeps of every kind, a table and the failures by name; the
 //                                          field of view is told so many times too wide, or not at all; people who walk
 //                                          by hide that share (0 .. 0.5) of each sweep's fullest picture; the lens
-//                                          bends as real ones do (k1 -.12 .. .04) instead of not at all
+//                                          distorts as real ones do (k1 -.12 .. .04) instead of not at all
 //   poses_bench FOLDER [--fov DEGREES] [--cameras transforms.json] [--threads N] [-o transforms.json] [-v]
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -146,7 +146,7 @@ struct Arguments {
   double fov = 0, fov_factor = 0, crowd = 0;
   int threads = 2, sweeps = 0, width = 640, height = 480;
   unsigned first = 1;
-  bool verbose = false, bent = false;
+  bool verbose = false, distorted = false;
 };
 
 const char* word(Motion motion) {
@@ -229,7 +229,7 @@ class Synthetic : public FrameSource {
     if (cache.empty()) return;
     cache_ = cache / (options.scene + "_" + std::to_string(options.seed) + "_" + std::to_string(options.path.width) +
                       (options.crowd > 0 ? "_crowd" + std::to_string(options.crowd) : "") +
-                      (options.path.k1 != 0 ? "_bent" : ""));
+                      (options.path.k1 != 0 ? "_distorted" : ""));
     fs::create_directories(cache_);
   }
   int size() const override { return static_cast<int>(sweep_.cameras().size()); }
@@ -257,7 +257,7 @@ double between(std::mt19937& random, double low, double high) {
 // to 40, in the room on its wall 1 m from the camera, as whoever picks frames by overlap picks them; where 40 are too
 // few for that, the view is wider. `repeated`, where everything looks like its neighbour, is a trial of its own
 // (--scene).
-SceneCaptureOptions random_sweep(unsigned seed, const std::string& scene, bool bent) {
+SceneCaptureOptions random_sweep(unsigned seed, const std::string& scene, bool distorted) {
   std::mt19937 random(seed);
   constexpr double kArcs[] = {30, 60, 120, 180, 300, 360};
   SceneCaptureOptions options;
@@ -280,12 +280,12 @@ SceneCaptureOptions random_sweep(unsigned seed, const std::string& scene, bool b
   options.blur_px = between(random, 0, 2);
   options.exposure_drift = between(random, 0, 0.4);
   options.moving_share = 0.1;
-  if (bent) path.k1 = between(random, -0.12, 0.04);  // drawn last: all else is as without
+  if (distorted) path.k1 = between(random, -0.12, 0.04);  // drawn last: all else is as without
   return options;
 }
 
 bool run_sweep(unsigned seed, const Arguments& arguments) {
-  SceneCaptureOptions options = random_sweep(seed, arguments.scene, arguments.bent);
+  SceneCaptureOptions options = random_sweep(seed, arguments.scene, arguments.distorted);
   SweepPath& path = options.path;
   path.width = arguments.width, path.height = arguments.height;
   options.crowd = arguments.crowd;
@@ -355,8 +355,8 @@ Arguments parse(int argc, char** argv) {
         throw std::runtime_error("--size wants WIDTHxHEIGHT");
     } else if (a == "-v")
       arguments.verbose = true;
-    else if (a == "--bent")
-      arguments.bent = true;
+    else if (a == "--distorted")
+      arguments.distorted = true;
     else
       arguments.folder = a;
   }

@@ -19,7 +19,7 @@ namespace ldp::sfm {
 struct FocalPrior {
   double focal_px = 0;
   double log_sigma = 0.2;
-  bool is_guess = false;  // to start from, not what anyone told
+  bool is_guess = false;  // that nobody told: cameras start from it, and tracks by KLT go without
 };
 
 enum class MotionModel { rotation, spherical, free };
