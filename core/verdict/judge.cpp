@@ -12,7 +12,8 @@ namespace {
 constexpr double kNoiseGrey = 118;   // noise is told at it: mean grey of a well exposed photograph
 constexpr double kRounding = 0.5;    // levels of noise that rounding hides
 constexpr double kLeastSeen = 0.02;  // share of a photograph's pixels from which a direction is judged
-constexpr double kSharpest = 0.2;    // blur of a photograph of sharp edges that are not close together
+constexpr double kTurn_deg = kFullTurn * kDirection_deg;
+constexpr double kSharpest = 0.2;  // blur of a photograph of sharp edges that are not close together
 
 struct Found {
   QualityFinding finding;
@@ -91,7 +92,28 @@ class Judge {
   void add(QualityReason reason, double value, const Bounds& bounds, double from_deg, double to_deg) {
     const Grade grade = grade_of(value, bounds);
     if (grade == Grade::good) return;
-    found_.push_back({{reason, from_deg, to_deg}, grade, (value - bounds.fair) / (bounds.again - bounds.fair)});
+    found_.push_back(
+        {on_the_turn({reason, from_deg, to_deg}), grade, (value - bounds.fair) / (bounds.again - bounds.fair)});
+  }
+
+  bool is_full_turn() const {
+    return evidence_.first_deg == 0 && evidence_.photos.front().directions.size() == kFullTurn;
+  }
+
+  // Photographs of several rows go round more than once, directions of a full turn do not.
+  QualityFinding on_the_turn(QualityFinding finding) const {
+    if (!is_full_turn()) return finding;
+    if (finding.to_deg - finding.from_deg >= kTurn_deg) return {finding.reason, 0, kTurn_deg};
+    if (finding.from_deg < kTurn_deg) return finding;
+    const double turns_deg = kTurn_deg * std::floor(finding.from_deg / kTurn_deg);
+    return {finding.reason, finding.from_deg - turns_deg, finding.to_deg - turns_deg};
+  }
+
+  bool lies_in(const QualityFinding& finding, const DirectionQuality& direction) const {
+    const auto overlaps = [&](double turned_deg) {
+      return finding.from_deg - turned_deg < direction.to_deg && finding.to_deg - turned_deg > direction.from_deg;
+    };
+    return overlaps(0) || (is_full_turn() && overlaps(kTurn_deg));
   }
 
   double from(size_t photo) const {
@@ -232,8 +254,7 @@ class Judge {
       quality.unexplained_share = unexplained(part);
       quality.grade = grade_of(quality.expected_view_psnr_db);
       for (const Found& found : found_)
-        if (found.finding.from_deg < quality.to_deg && found.finding.to_deg > quality.from_deg)
-          quality.grade = std::max(quality.grade, found.grade);
+        if (lies_in(found.finding, quality)) quality.grade = std::max(quality.grade, found.grade);
       all.push_back(quality);
     }
     return all;

@@ -15,7 +15,6 @@ constexpr int kBandRows = 32;     // that are compared at once, a multiple of kS
 constexpr int kStride = 2;        // of the pixels that are compared with the photograph beside
 constexpr double kHidden = 1.05;  // depth at which the neighbour sees something nearer instead
 constexpr int kUnexplained = 40;  // levels by which a channel differs from all colours within a pixel
-constexpr int kFullTurn = static_cast<int>(360 / kDirection_deg);
 
 using consistency::Held;
 using consistency::Rendering;

@@ -160,6 +160,42 @@ TEST(Judge, BlurIsToldWhereItIs) {
   }
 }
 
+// Two rows of photos, each all the way round, the second one on from where the first ended.
+TEST(Judge, PlacesOfASecondRoundAreThoseOfTheTurn) {
+  SweepEvidence clean = clean_sweep();
+  const PhotoEvidence usual = clean.photos[5];
+  clean.first_deg = 0;
+  clean.photos_taken = 60;
+  clean.photos.assign(60, usual);
+  for (size_t i = 0; i < 60; ++i) {
+    PhotoEvidence& photo = clean.photos[i];
+    photo.heading_deg = 12 * static_cast<double>(i);
+    photo.directions.assign(kFullTurn, DirectionEvidence{});
+    const double there = photo.heading_deg / kDirection_deg;
+    for (const size_t beside : {0U, 1U, 2U})
+      photo.directions[(static_cast<size_t>(there) + beside + kFullTurn - 1) % kFullTurn] = usual.directions[6];
+  }
+  ASSERT_TRUE(judge(clean).reasons.empty());
+  const auto blurred = [&clean](size_t first, size_t last) {
+    SweepEvidence evidence = clean;
+    for (size_t i = first; i <= last; ++i) evidence.photos[i].measures.blur_x = 0.45;
+    return judge(evidence);
+  };
+  const auto fair = [](const SweepQuality& quality, double from_deg) {
+    return quality.by_direction[static_cast<size_t>(from_deg / kDirection_deg)].grade == Grade::fair;
+  };
+  const SweepQuality second = blurred(33, 34);
+  ASSERT_EQ(second.reasons.size(), 1U);
+  EXPECT_EQ(second.reasons[0], (QualityFinding{QualityReason::blurred, 30, 54}));
+  EXPECT_TRUE(fair(second, 30) && fair(second, 45));
+  EXPECT_FALSE(fair(second, 15) || fair(second, 60) || fair(second, 0));
+  const SweepQuality across = blurred(29, 30);
+  EXPECT_EQ(across.reasons[0], (QualityFinding{QualityReason::blurred, 342, 366}));
+  EXPECT_TRUE(fair(across, 330) && fair(across, 345) && fair(across, 0));
+  EXPECT_FALSE(fair(across, 15) || fair(across, 315));
+  EXPECT_EQ(blurred(0, 59).reasons[0], (QualityFinding{QualityReason::blurred, 0, 360}));
+}
+
 TEST(Judge, WhatPosesAndPhotosTellIsKnownBeforeThereIsAPanorama) {
   SweepEvidence evidence = clean_sweep();
   for (PhotoEvidence& photo : evidence.photos) photo.directions.clear();
