@@ -49,7 +49,7 @@ struct PhotoEvidence {
 };
 
 constexpr double kDirection_deg = 15;
-constexpr int kFullTurn = 24;  // directions of a sweep that goes all the way round
+constexpr int kFullTurn = static_cast<int>(360 / kDirection_deg);  // directions of a sweep that goes all the way round
 
 struct SweepEvidence {
   SweepMotion motion = SweepMotion::arc;

@@ -12,8 +12,9 @@ namespace {
 constexpr double kNoiseGrey = 118;   // noise is told at it: mean grey of a well exposed photograph
 constexpr double kRounding = 0.5;    // levels of noise that rounding hides
 constexpr double kLeastSeen = 0.02;  // share of a photograph's pixels from which a direction is judged
-constexpr double kTurn_deg = kFullTurn * kDirection_deg;
-constexpr double kSharpest = 0.2;  // blur of a photograph of sharp edges that are not close together
+constexpr double kSharpest = 0.2;    // blur of a photograph of sharp edges that are not close together
+
+constexpr double kTurn_deg = 360;
 
 struct Found {
   QualityFinding finding;

@@ -171,9 +171,9 @@ TEST(Judge, PlacesOfASecondRoundAreThoseOfTheTurn) {
     PhotoEvidence& photo = clean.photos[i];
     photo.heading_deg = 12 * static_cast<double>(i);
     photo.directions.assign(kFullTurn, DirectionEvidence{});
-    const double there = photo.heading_deg / kDirection_deg;
+    const auto there = static_cast<size_t>(photo.heading_deg / kDirection_deg);
     for (const size_t beside : {0U, 1U, 2U})
-      photo.directions[(static_cast<size_t>(there) + beside + kFullTurn - 1) % kFullTurn] = usual.directions[6];
+      photo.directions[(there + beside + kFullTurn - 1) % kFullTurn] = usual.directions[6];
   }
   ASSERT_TRUE(judge(clean).reasons.empty());
   const auto blurred = [&clean](size_t first, size_t last) {
