@@ -79,20 +79,29 @@ bool is_photo(const fs::directory_entry& entry) {
 
 std::string text_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
 
+double pixels_of(ImageSize size) { return static_cast<double>(size.width) * size.height; }
+
 std::string name_of(const PhotoFile& file) { return file.path.filename().string(); }
 
-ImageSize one_size_of(const std::vector<PhotoFile>& files, const std::string& shown) {
+std::vector<ImageSize> sizes_of(const std::vector<PhotoFile>& files, int orientation) {
   for (const PhotoFile& file : files)
     if (::access(file.path.c_str(), R_OK) != 0)
       throw std::runtime_error(file.called + ": cannot be read (" + std::strerror(errno) + "): check its permissions");
-  const ImageSize first = read_image_size(files.front().path, files.front().called);
-  for (const PhotoFile& file : files) {
-    const ImageSize size = read_image_size(file.path, file.called);
-    if (size == first) continue;
-    throw std::runtime_error(shown + ": photos of two sizes, " + name_of(files.front()) + " is " + text_of(first) +
-                             " and " + name_of(file) + " " + text_of(size) + ": keep only the photos of one sweep");
-  }
-  return first;
+  std::vector<ImageSize> sizes;
+  for (const PhotoFile& file : files) sizes.push_back(upright(read_image_size(file.path, file.called), orientation));
+  return sizes;
+}
+
+// That of more than half of the photos: a few others among them were turned or cropped.
+ImageSize common_size(const std::vector<PhotoFile>& files, const std::vector<ImageSize>& sizes,
+                      const std::string& shown) {
+  for (const ImageSize& size : sizes)
+    if (2 * std::count(sizes.begin(), sizes.end(), size) > static_cast<std::ptrdiff_t>(sizes.size())) return size;
+  const auto other = std::find_if(sizes.begin(), sizes.end(), [&](ImageSize size) { return size != sizes.front(); });
+  throw std::runtime_error(shown + ": photos of several sizes, " + name_of(files.front()) + " is " +
+                           text_of(sizes.front()) + " and " +
+                           name_of(files[static_cast<size_t>(other - sizes.begin())]) + " " + text_of(*other) +
+                           ": keep only the photos of one sweep");
 }
 
 std::string list_of(const std::vector<std::string>& names) {
@@ -118,13 +127,6 @@ std::string list_of(const std::vector<std::string>& names) {
   if (damaged.size() < 2) throw DamagedImage(met);
   throw DamagedImage(shown + ": " + std::to_string(damaged.size()) + " of " + std::to_string(files.size()) +
                      " photos are damaged (" + list_of(damaged) + "): copy them again, or leave them out");
-}
-
-ImageSize shrunk(ImageSize stored, int64_t max_pixels) {
-  const double pixels = static_cast<double>(stored.width) * stored.height;
-  if (pixels <= static_cast<double>(max_pixels)) return stored;
-  const double scale = std::sqrt(static_cast<double>(max_pixels) / pixels);
-  return {std::max(1, static_cast<int>(stored.width * scale)), std::max(1, static_cast<int>(stored.height * scale))};
 }
 
 Camera scaled(Camera camera, ImageSize size) {
@@ -224,39 +226,50 @@ FolderFrames::FolderFrames(const fs::path& folder, const FolderFramesOptions& op
     : FolderFrames(photos_of_capture(folder), folder.string(), options) {}
 
 FolderFrames::FolderFrames(std::vector<PhotoFile> files, const std::string& shown, const FolderFramesOptions& options)
-    : files_(std::move(files)), shown_(shown), orientation_(options.orientation) {
+    : files_(std::move(files)), shown_(shown), options_(options) {
   if (options.max_pixels < 1024) throw std::logic_error("FolderFrames: max_pixels must be at least 1024");
   if (files_.empty()) throw std::logic_error("FolderFrames: no files");
   try {
-    stored_ = upright(one_size_of(files_, shown_), orientation_);
+    stored_ = sizes_of(files_, options.orientation);
   } catch (const DamagedImage& met) {
     refuse_all_damaged(files_, shown_, met);
   }
-  working_ = shrunk(stored_, options.max_pixels);
+  common_ = common_size(files_, stored_, shown_);
+  working_ = working(common_);
 }
 
 std::string FolderFrames::name(int index) const { return name_of(files_.at(static_cast<size_t>(index))); }
 
+// Scaled down by as much as the others: one cropped to the same shape is not to pass for one of them.
+ImageSize FolderFrames::working(ImageSize stored) const {
+  const double pixels = std::max(pixels_of(stored), pixels_of(common_));
+  if (pixels <= static_cast<double>(options_.max_pixels)) return stored;
+  const double scale = std::sqrt(static_cast<double>(options_.max_pixels) / pixels);
+  return {std::max(1, static_cast<int>(stored.width * scale)), std::max(1, static_cast<int>(stored.height * scale))};
+}
+
 // Decoding at a whole fraction of the size saves memory; the rest of the way is averaged.
-Photo FolderFrames::read(const PhotoFile& file) const {
-  const int64_t enough = std::max<int64_t>(int64_t{4} * working_.width * working_.height, kEnoughPixels);
+Photo FolderFrames::read(int index) const {
+  const PhotoFile& file = files_.at(static_cast<size_t>(index));
+  const ImageSize stored = stored_.at(static_cast<size_t>(index)), size = working(stored);
+  const int64_t enough = std::max<int64_t>(int64_t{4} * size.width * size.height, kEnoughPixels);
   try {
-    return read_photo(file.path, working_ == stored_ ? kMaxImagePixels : enough, file.called);
+    return read_photo(file.path, size == stored ? kMaxImagePixels : enough, file.called);
   } catch (const DamagedImage& met) {
     refuse_all_damaged(files_, shown_, met);
   }
 }
 
 RgbImage FolderFrames::load(int index) const {
-  const PhotoFile& file = files_.at(static_cast<size_t>(index));
-  Photo photo = read(file);
-  const ImageSize found = upright(photo.full_size, orientation_);
-  if (found != stored_) {
-    throw std::runtime_error(file.called + ": is " + text_of(found) + " by now and was " + text_of(stored_) +
-                             ": leave the photos alone while they are worked on");
+  Photo photo = read(index);
+  const ImageSize found = upright(photo.full_size, options_.orientation);
+  const ImageSize stored = stored_.at(static_cast<size_t>(index)), size = working(stored);
+  if (found != stored) {
+    throw std::runtime_error(files_[static_cast<size_t>(index)].called + ": is " + text_of(found) + " by now and was " +
+                             text_of(stored) + ": leave the photos alone while they are worked on");
   }
-  RgbImage image = upright(std::move(photo.image), orientation_);
-  return working_ == stored_ ? image : resize_by_area(image, working_.width, working_.height);
+  RgbImage image = upright(std::move(photo.image), options_.orientation);
+  return size == stored ? image : resize_by_area(image, size.width, size.height);
 }
 
 std::optional<double> FolderFrames::focal_hint(int index) const {
@@ -267,7 +280,7 @@ std::vector<Camera> FolderFrames::fit(const std::vector<Camera>& cameras) const 
   std::vector<Camera> fitted;
   for (int i = 0; i < size(); ++i) {
     const Camera* camera = find_camera(cameras, name(i));
-    if (camera == nullptr) continue;
+    if (camera == nullptr || working(stored_[static_cast<size_t>(i)]) != working_) continue;
     fitted.push_back(scaled(*camera, working_));
     fitted.back().name = name(i);
   }

@@ -1,10 +1,11 @@
 // A capture folder as a source of frames, and what its capture.json says about it.
 //
 // Takes a folder of .jpg, .jpeg or .png photos of any names (upper or lower case), in name order with numbers by value;
-// when the folder itself holds none, its subfolder `frames`; or photos one by one, in the order given. Gives every
-// frame at one working size: photos larger than `max_pixels` are scaled down, so that memory is bounded by that and not
-// by the camera. Photos of several sizes, no photo at all, or an unreadable one are refused, naming the file; once one
-// is found damaged all are decoded, and those damaged named together. Nothing is decoded before it is asked for.
+// when the folder itself holds none, its subfolder `frames`; or photos one by one, in the order given. Photos larger
+// than `max_pixels` are scaled down, so that memory is bounded by that and not by the camera. More than half of the
+// photos are of one size, and their frames of one working size; the few others are scaled down by as much. Photos of
+// several sizes of which none is that common, no photo at all, or an unreadable one are refused, naming the file; once
+// one is found damaged all are decoded, and those damaged named together. Nothing is decoded before it is asked for.
 #pragma once
 
 #include <cstdint>
@@ -43,20 +44,22 @@ class FolderFrames : public FrameSource {
   std::optional<double> focal_hint(int index) const override;
 
   const std::vector<PhotoFile>& files() const { return files_; }
-  ImageSize stored_size() const { return stored_; }    // size of the files, upright
-  ImageSize working_size() const { return working_; }  // of every frame as loaded
+  ImageSize stored_size() const { return common_; }    // of most files, upright
+  ImageSize working_size() const { return working_; }  // of their frames as loaded
 
-  // The same cameras for frames of the working size; those that no photo is named after are left out. Throws
-  // std::runtime_error when a camera's image has another shape than the photos.
+  // The same cameras for frames of the working size; those that no photo of that size is named after are left out.
+  // Throws std::runtime_error when a camera's image has another shape than the photos.
   std::vector<Camera> fit(const std::vector<Camera>& cameras) const;
 
  private:
-  Photo read(const PhotoFile& file) const;
+  Photo read(int index) const;
+  ImageSize working(ImageSize stored) const;
 
   std::vector<PhotoFile> files_;
   std::string shown_;
-  ImageSize stored_, working_;
-  int orientation_;
+  FolderFramesOptions options_;
+  std::vector<ImageSize> stored_;  // by file, upright
+  ImageSize common_, working_;
 };
 
 // Those FolderFrames takes of a folder, at least one. Only lists: what is in them is not looked at. Throws

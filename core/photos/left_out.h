@@ -4,29 +4,30 @@
 #include <cstdint>
 #include <string>
 
-#include "core/photos/images.h"
-
 namespace ldp {
 
 enum class LeftOutCause : uint8_t {
   none,               // it takes part
-  other_size,         // than most photos: `size` against `common_size`
+  other_size,         // than most photos
   repeated,           // the same picture as the one before, named `original`
+  needless,           // of many photos one that shows next to nothing that `original` does not
   without_texture,    // next to no features
   unmatched,          // with no photo at all
   matched_elsewhere,  // with photos only that do not connect with the rest
   few_inliers,        // only `inliers` of its points agree with the cameras
   few_shared_points,  // too few for resection
-  no_camera           // none was given for it
+  up_or_down,         // it looks along the arc's axis
+  no_camera           // none was given that fits it
 };
 
 struct LeftOut {
   LeftOutCause cause = LeftOutCause::none;
-  ImageSize size = {}, common_size = {};
   std::string original = {};
   int inliers = 0;
 
   explicit operator bool() const { return cause != LeftOutCause::none; }
+  // What it shows is seen all the same.
+  bool is_shown_by_another() const { return cause == LeftOutCause::repeated || cause == LeftOutCause::needless; }
 };
 
 // A sentence without its photo's name and full stop; empty where it takes part.

@@ -82,6 +82,7 @@ class Build {
 
   void lay_out() {
     report_.arc = fit_arc(poses_.cameras);
+    while (leave_out_up_or_down()) report_.arc = fit_arc(poses_.cameras);
     if (const std::string what = sideways(poses_.cameras); !what.empty()) report_.notes.push_back(what);
     layout_ = std::make_unique<GridLayout>(poses_, report_.arc, options_, report_.notes);
     watch_.lap("arc");
@@ -98,6 +99,21 @@ class Build {
                     upright_pixels(poses_.cameras, report_.arc.arc, layout_->pitch_px())};
     watch_.lap("depth range");
     if (parallax()) leave_out_unseen();
+  }
+
+  // Photos taken while the arm was lowered; whether there were any. Where most are like that it is another mistake,
+  // which rectification names.
+  bool leave_out_up_or_down() {
+    std::vector<LeftOut> why(poses_.cameras.size());
+    size_t count = 0;
+    for (size_t i = 0; i < why.size(); ++i) {
+      if (!looks_straight_up_or_down(poses_.cameras[i], report_.arc.arc)) continue;
+      why[i].cause = LeftOutCause::up_or_down;
+      ++count;
+    }
+    if (count == 0 || why.size() - count < std::max(kFewestLevel, count)) return false;
+    leave_out(why, poses_);
+    return true;
   }
 
   // Who has to sweep again should hear it before the panorama is done.

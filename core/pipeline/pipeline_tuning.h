@@ -1,8 +1,11 @@
 // Tuned constants of the pipeline that are no options.
 #pragma once
 
+#include <cstddef>
+
 namespace ldp::pipeline {
 
+constexpr size_t kFewestLevel = 3;  // photos that a panorama is made of without those that look straight up or down
 constexpr double kCoarser = 1.05, kCoarsest = 3;  // steps of the panorama's pitch, and its limit, to save memory
 // Photos' rows to a row of the panorama where the camera walked along its line of sight, from 1: what such photos share
 // is seen at ever other scales, every one of them sees most of it, and the verdict is to sweep again.

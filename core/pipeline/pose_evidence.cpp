@@ -1,5 +1,7 @@
 #include "core/pipeline/pose_evidence.h"
 
+#include <algorithm>
+
 #include "core/verdict/track_flow.h"
 
 namespace ldp {
@@ -26,12 +28,17 @@ DoubtfulPoses doubtful(PoseDoubt kind) {
   return DoubtfulPoses::no;
 }
 
+int shown_by_others(const PosesReport& report) {
+  return static_cast<int>(std::count_if(report.frames.begin(), report.frames.end(),
+                                        [](const FrameReport& frame) { return frame.left_out.is_shown_by_another(); }));
+}
+
 }  // namespace
 
 void add_pose_evidence(const Poses& poses, int photos_taken, SweepEvidence& evidence) {
   evidence.motion = motion_from(poses.report.motion);
   evidence.doubt = doubtful(poses.report.doubt_kind);
-  evidence.photos_taken = photos_taken;
+  evidence.photos_taken = photos_taken - shown_by_others(poses.report);
   evidence.reprojection = poses.report.reprojection_px / poses.cameras.front().intrinsics.width;
   evidence.agreement = poses.report.agreement;
   measure_flow(poses.points, poses.sightings, poses.cameras, evidence);

@@ -6,7 +6,8 @@
 
 namespace ldp {
 
-// `photos_taken`: posed or not. `evidence.photos` stand for the cameras.
+// `photos_taken`: posed or not; those that show what others show are not counted. `evidence.photos` stand for the
+// cameras.
 void add_pose_evidence(const Poses& poses, int photos_taken, SweepEvidence& evidence);
 
 }  // namespace ldp

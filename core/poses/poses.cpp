@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
-#include <map>
 #include <numbers>
 
 #include "core/poses/coverage.h"
@@ -15,6 +13,7 @@
 #include "core/poses/reconstruct.h"
 #include "core/poses/start/rotation_averaging.h"
 #include "core/poses/tracks/geometric_verification.h"
+#include "core/poses/unfit_frames.h"
 
 namespace ldp {
 
@@ -22,15 +21,24 @@ using namespace sfm;
 
 namespace {
 
-struct Frame {
-  std::string name;
-  std::optional<double> focal_hint;
-  GreyPhoto picture;
-  Features features;
-};
+// Mean square of the differences of neighbours.
+double sharpness(const GreyImage& grey) {
+  double sum = 0;
+  for (int y = 1; y < grey.height; ++y) {
+    for (int x = 1; x < grey.width; ++x) {
+      const double right = grey.at(x, y) - grey.at(x - 1, y), down = grey.at(x, y) - grey.at(x, y - 1);
+      sum += right * right + down * down;
+    }
+  }
+  return sum / (static_cast<double>(grey.width) * grey.height);
+}
 
 Frame make_frame(const std::string& name, const RgbImage& image, std::optional<double> focal_hint) {
-  Frame frame{name, focal_hint, make_grey_photo(image, kWorkingSide_px), {}};
+  Frame frame;
+  frame.name = name;
+  frame.focal_hint = focal_hint;
+  frame.picture = make_grey_photo(image, kWorkingSide_px);
+  frame.sharpness = sharpness(frame.picture.grey);
   frame.features = detect_features(frame.picture, FeatureOptions{});
   return frame;
 }
@@ -39,25 +47,6 @@ TwoViewOptions two_view_options(const PosesOptions& options) {
   TwoViewOptions pairs;
   pairs.seed = options.seed;
   return pairs;
-}
-
-void match_all(const std::vector<Frame>& frames, std::vector<PairMatches>& pairs, const TwoViewOptions& options,
-               const Job& job) {
-  parallel_for(job, static_cast<int>(pairs.size()), [&](int i) {
-    PairMatches& pair = pairs[static_cast<size_t>(i)];
-    pair.matches =
-        match_and_verify(frames[static_cast<size_t>(pair.a)].features, frames[static_cast<size_t>(pair.b)].features,
-                         pair.b - pair.a <= options.sequential_window, options);
-  });
-}
-
-// The size that most frames have; the others cannot share a lens with them.
-std::pair<int, int> common_size(const std::vector<Frame>& frames) {
-  std::map<std::pair<int, int>, int> counts;
-  for (const Frame& frame : frames) ++counts[{frame.features.width, frame.features.height}];
-  return std::max_element(counts.begin(), counts.end(),
-                          [](const auto& a, const auto& b) { return a.second < b.second; })
-      ->first;
 }
 
 // From what is told of the frames that are of that size.
@@ -114,39 +103,6 @@ void check(const PosesOptions& options) {
     throw std::logic_error("arm_length must be positive, got " + std::to_string(options.arm_length));
 }
 
-// A camera that stood still, or a photo stored twice: a step of no length.
-bool repeats(const Frame& before, const Frame& frame) {
-  return frame.features.size() > 0 && frame.picture.grey.samples == before.picture.grey.samples;
-}
-
-// By frame, why it can be no part of the sweep; none where it can.
-std::vector<LeftOut> unfit_frames(const std::vector<Frame>& frames) {
-  const std::pair<int, int> size = common_size(frames);
-  std::vector<LeftOut> unfit(frames.size());
-  for (size_t i = 0; i < frames.size(); ++i) {
-    const Features& f = frames[i].features;
-    if (std::pair(f.width, f.height) != size) {
-      unfit[i].cause = LeftOutCause::other_size;
-      unfit[i].size = {f.width, f.height};
-      unfit[i].common_size = {size.first, size.second};
-    } else if (i > 0 && repeats(frames[i - 1], frames[i])) {
-      unfit[i].cause = LeftOutCause::repeated;
-      unfit[i].original = frames[i - 1].name;
-    }
-  }
-  return unfit;
-}
-
-void require_three_fit(const std::vector<Frame>& frames, const std::vector<LeftOut>& unfit) {
-  const auto is_unfit = [](const LeftOut& why) { return static_cast<bool>(why); };
-  const auto first = std::find_if(unfit.begin(), unfit.end(), is_unfit);
-  const auto fit = std::count_if(unfit.begin(), unfit.end(), std::not_fn(is_unfit));
-  if (fit >= 3) return;
-  throw Impossible("only " + std::to_string(fit) + " of " + std::to_string(frames.size()) +
-                   " photos can be used; at least 3 are needed, all of one size and none the same as the one before; " +
-                   frames[static_cast<size_t>(first - unfit.begin())].name + ": " + words_of(*first));
-}
-
 // Frames fit for it as a sweep, and which frame each of the sweep is.
 struct SelectedSweep {
   MatchedSweep sweep;
@@ -159,7 +115,8 @@ SelectedSweep select_sweep(const std::vector<Frame>& frames, const std::vector<P
   std::vector<int> place(frames.size(), -1);
   for (size_t i = 0; i < frames.size(); ++i) {
     if (unfit[i]) {
-      if (++selected.sweep.unfit == 1) {
+      ++selected.sweep.unfit;
+      if (!selected.sweep.first_unfit && unfit[i].cause != LeftOutCause::needless) {
         selected.sweep.first_unfit_name = frames[i].name;
         selected.sweep.first_unfit = unfit[i];
       }
@@ -188,6 +145,7 @@ std::vector<FrameReport> first_reports(const std::vector<Frame>& frames, const s
     reports.push_back(report);
   }
   for (const PairMatches& pair : pairs) {
+    if (unfit[static_cast<size_t>(pair.a)] || unfit[static_cast<size_t>(pair.b)]) continue;
     reports[static_cast<size_t>(pair.a)].matches += static_cast<int>(pair.matches.size());
     reports[static_cast<size_t>(pair.b)].matches += static_cast<int>(pair.matches.size());
   }
@@ -288,10 +246,8 @@ FocalPrior wide_lens(const MatchedSweep& sweep) {
 
 bool is_of_another_lens(double told_focal) { return std::abs(told_focal - 1) > kMaxToldFocalError; }
 
-Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs, const PosesOptions& options,
-            const Job& job) {
-  const std::vector<LeftOut> unfit = unfit_frames(frames);
-  require_three_fit(frames, unfit);
+Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs, const std::vector<LeftOut>& unfit,
+            const PosesOptions& options, const Job& job) {
   SelectedSweep selected = select_sweep(frames, pairs, unfit);
   std::optional<FocalPrior> focal = focal_prior(frames, options);
   std::vector<std::string> names;
@@ -384,12 +340,13 @@ std::string wrong_lens(const Poses& poses) {
 struct PoseEstimator::State {
   PosesOptions options;
   std::vector<Frame> frames;
-  std::vector<PairMatches> pairs;  // all, in the order of the later frame
+  FramePairs pairs;
+  std::vector<LeftOut> unfit = {};  // by frame
 };
 
-PoseEstimator::PoseEstimator(const PosesOptions& options) : state_(std::make_unique<State>()) {
+PoseEstimator::PoseEstimator(const PosesOptions& options)
+    : state_(new State{options, {}, FramePairs(two_view_options(options))}) {
   check(options);
-  state_->options = options;
 }
 PoseEstimator::PoseEstimator(PoseEstimator&&) noexcept = default;
 PoseEstimator& PoseEstimator::operator=(PoseEstimator&&) noexcept = default;
@@ -410,18 +367,15 @@ void PoseEstimator::add_frames(const FrameSource& source, int count, const Job& 
     frames[static_cast<size_t>(index)] = make_frame(source.name(index), source.load(index), source.focal_hint(index));
   });
   job.report("matching", 0.4);
-  std::vector<PairMatches> pairs;
-  for (int b = std::max(first, 1); b < count; ++b) {
-    for (int a = 0; a < b; ++a) pairs.push_back({a, b, {}});
-  }
-  match_all(frames, pairs, two_view_options(options()), job);
-  std::move(pairs.begin(), pairs.end(), std::back_inserter(state_->pairs));
+  state_->unfit = unfit_frames(frames, state_->pairs, job);
+  state_->pairs.match_all(frames, state_->unfit, job);
 }
 
 Poses PoseEstimator::finish(const Job& job) const {
   require_three(size());
+  require_three_fit(state_->frames, state_->unfit);
   job.report("adjusting", 0.6);
-  return solve(state_->frames, state_->pairs, options(), job);
+  return solve(state_->frames, state_->pairs.all(), state_->unfit, options(), job);
 }
 
 Poses estimate_poses(const FrameSource& frames, PoseEstimator begun, const Job& job) {

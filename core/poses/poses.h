@@ -103,4 +103,7 @@ Poses estimate_poses(const FrameSource& frames, PoseEstimator begun, const Job& 
 Poses triangulate(const FrameSource& frames, const std::vector<Camera>& cameras, const PosesOptions& options,
                   const Job& job);
 
+// Takes those cameras out that are left out by `why`, one for each camera, and points that fewer than two others see.
+void leave_out(const std::vector<LeftOut>& why, Poses& poses);
+
 }  // namespace ldp

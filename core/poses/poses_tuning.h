@@ -12,6 +12,11 @@ constexpr double kMaxToldFocalError = 0.15;  // of the one found: beyond, what w
 constexpr int kWorkingSide_px = 1000;        // longer side of what is kept of a photo
 constexpr double kMaxPointDistance = 1e4;    // radii, or spreads of known cameras: points are put no farther
 
+// Photos taken densely (unfit_frames.h): what nearly the same pictures add is work.
+constexpr size_t kManyFrames = 40;  // as many are taken whatever they show; 30 .. 60
+// Of the longer side, that neighbours move by at least: the first that leaves as few, or the last.
+constexpr double kDenseSteps[] = {0.0025, 0.005, 0.01, 0.02, 0.03, 0.04, 0.05};
+
 // Order of the reconstruction (reconstruct.h).
 constexpr int kMinPosedFrames = 3;
 constexpr int kMinFrameObservations = 12;  // that hold a frame in place

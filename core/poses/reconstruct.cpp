@@ -70,7 +70,7 @@ void require(const MatchedSweep& sweep, const std::vector<LeftOut>& left_out) {
       " photos connect with each other; at least 3 are needed: " +
       (2 * bare >= sweep.frames() ? "most show next to no texture: take them in more light, of something with detail"
                                   : "take them with more overlap (three quarters), sharp and free of noise") +
-      (sweep.unfit > 0 ? "; left out was " + sweep.first_unfit_name + ": " + words_of(sweep.first_unfit) : ""));
+      (sweep.first_unfit ? "; left out was " + sweep.first_unfit_name + ": " + words_of(sweep.first_unfit) : ""));
 }
 
 // Tracks without the observations of frames left out.

@@ -202,6 +202,8 @@ namespace ldp {
 
 using namespace rectification;
 
+bool looks_straight_up_or_down(const Camera& camera, const Arc& arc) { return is_along(camera, arc.axis()); }
+
 size_t upright_pixels(const std::vector<Camera>& cameras, const Arc& arc, double pitch_px) {
   size_t pixels = 0;
   for (const Camera& camera : cameras) {

@@ -24,12 +24,15 @@ namespace ldp {
 
 // cameras[i] belongs to frames.load(frame_of_camera[i]). An upright pixel spans `pitch_px` of the photo's: with those
 // of a coarse panorama nothing is lost and memory is saved. Throws std::runtime_error naming the photo when its size
-// does not match its camera or when it looks straight up or down. `local` gets by which light photographs differ where
+// does not match its camera or where looks_straight_up_or_down. `local` gets by which light photographs differ where
 // samples are those of local exposure, and nothing where they are not.
 std::vector<UprightFrame> rectify(const FrameSource& frames, const std::vector<Camera>& cameras,
                                   const std::vector<int>& frame_of_camera, const std::vector<ScenePoint>& points,
                                   const Arc& arc, double pitch_px, const Job& job,
                                   std::optional<Calibration>* local = nullptr);
+
+// Whether the camera cannot be turned upright: its line of sight is within 12 degrees of the arc's axis.
+bool looks_straight_up_or_down(const Camera& camera, const Arc& arc);
 
 // Of all upright frames together.
 size_t upright_pixels(const std::vector<Camera>& cameras, const Arc& arc, double pitch_px);

@@ -7,6 +7,7 @@ namespace ldp::rectification {
 
 // Upright cameras (resample.h).
 constexpr double kMaxUprightTangent = 2.0;  // 63 degrees off the upright axis; beyond, a photo is cut; above 0
+constexpr double kMinLevelForward = 0.2;    // sine of the angle between line of sight and axis; .1 .. .5
 constexpr int kOutlineSteps = 32;           // points per side by which a photo's outline is followed, from 1
 
 // Background subtraction: a bilateral grid of levels.

@@ -14,17 +14,23 @@
 namespace ldp::rectification {
 namespace {
 
-Eigen::Vector3d horizontal_forward(const Camera& camera, const Eigen::Vector3d& axis) {
+// The line of sight less its part along the axis.
+Eigen::Vector3d level_forward(const Camera& camera, const Eigen::Vector3d& axis) {
   const Eigen::Vector3d forward = camera.pose.world_from_camera.col(2);
-  const Eigen::Vector3d level = forward - exact_dot(forward, axis) * axis;
-  const double length = std::sqrt(exact_dot(level, level));
-  if (length < 0.2) {
+  return forward - exact_dot(forward, axis) * axis;
+}
+
+double length(const Eigen::Vector3d& v) { return std::sqrt(exact_dot(v, v)); }
+
+Eigen::Vector3d horizontal_forward(const Camera& camera, const Eigen::Vector3d& axis) {
+  if (is_along(camera, axis)) {
     throw std::runtime_error(
         "photo '" + camera.name +
         "' looks straight up or down: leave it out of the capture, or, where the camera lay on its "
         "side, add a turn by 90 or by 270 degrees (where it stood upright, leave the turn out)");
   }
-  return level / length;
+  const Eigen::Vector3d level = level_forward(camera, axis);
+  return level / length(level);
 }
 
 struct Bounds {
@@ -74,6 +80,10 @@ std::array<std::array<int16_t, 4>, 256> rounded_weights() {
 }
 
 }  // namespace
+
+bool is_along(const Camera& camera, const Eigen::Vector3d& axis) {
+  return length(level_forward(camera, axis)) < kMinLevelForward;
+}
 
 UprightCamera upright_camera(const Camera& camera, const Eigen::Vector3d& axis, int source, double pitch_px) {
   UprightCamera upright;

@@ -9,6 +9,9 @@
 
 namespace ldp::rectification {
 
+// Whether the camera looks along the axis: its image plane cannot be turned parallel to it.
+bool is_along(const Camera& camera, const Eigen::Vector3d& axis);
+
 // The upright camera of a photograph: same centre, image plane parallel to `axis`, just large enough; one of its pixels
 // spans `pitch_px` of the photograph's.
 UprightCamera upright_camera(const Camera& camera, const Eigen::Vector3d& axis, int source, double pitch_px);

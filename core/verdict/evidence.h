@@ -40,7 +40,7 @@ struct PhotoEvidence {
   double gain = 1;  // factor of green that brings it to the exposure of all
   // Of the points that it shares with the photograph before.
   int shared_points = 0;
-  double shift = 0;      // mean, in widths of the photograph
+  double shift = 0;      // mean, in widths of the photograph; where that is wide, of the earlier one it moved least from
   double far_shift = 0;  // of the farthest of them
   // Of what turns leave of their flow, in normalised image positions: parts away from the middle, lengths, squares.
   double outward = 0, sideward = 0, parallax_squares = 0;
@@ -54,7 +54,7 @@ constexpr int kFullTurn = static_cast<int>(360 / kDirection_deg);  // directions
 struct SweepEvidence {
   SweepMotion motion = SweepMotion::arc;
   DoubtfulPoses doubt = DoubtfulPoses::no;
-  int photos_taken = 0;               // posed or not
+  int photos_taken = 0;               // posed or not, but for those that show what others show
   double field_deg = 0;               // horizontal field of view
   double reprojection = 0;            // root mean square, in widths of the photograph
   double agreement = 1;               // share of the matches of neighbouring photographs that fit the poses

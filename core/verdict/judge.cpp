@@ -14,8 +14,6 @@ constexpr double kRounding = 0.5;    // levels of noise that rounding hides
 constexpr double kLeastSeen = 0.02;  // share of a photograph's pixels from which a direction is judged
 constexpr double kSharpest = 0.2;    // blur of a photograph of sharp edges that are not close together
 
-constexpr double kTurn_deg = 360;
-
 struct Found {
   QualityFinding finding;
   Grade grade = Grade::fair;
@@ -90,11 +88,14 @@ class Judge {
     return part.compared > 0 ? static_cast<double>(part.unexplained) / static_cast<double>(part.compared) : 0;
   }
 
-  void add(QualityReason reason, double value, const Bounds& bounds, double from_deg, double to_deg) {
+  // Of the photos from the first one on, up to the last one.
+  void add(QualityReason reason, double value, const Bounds& bounds, size_t first, size_t last) {
     const Grade grade = grade_of(value, bounds);
     if (grade == Grade::good) return;
-    found_.push_back(
-        {on_the_turn({reason, from_deg, to_deg}), grade, (value - bounds.fair) / (bounds.again - bounds.fair)});
+    found_.push_back({over(reason, first, last), grade, (value - bounds.fair) / (bounds.again - bounds.fair)});
+  }
+  void add(QualityReason reason, double value, const Bounds& bounds) {
+    add(reason, value, bounds, 0, evidence_.photos.size());
   }
 
   bool is_full_turn() const {
@@ -105,7 +106,6 @@ class Judge {
   QualityFinding on_the_turn(QualityFinding finding) const {
     if (!is_full_turn()) return finding;
     if (finding.to_deg - finding.from_deg >= kTurn_deg) return {finding.reason, 0, kTurn_deg};
-    if (finding.from_deg < kTurn_deg) return finding;
     const double turns_deg = kTurn_deg * std::floor(finding.from_deg / kTurn_deg);
     return {finding.reason, finding.from_deg - turns_deg, finding.to_deg - turns_deg};
   }
@@ -124,6 +124,16 @@ class Judge {
   double to(size_t photo) const {
     const double here = evidence_.photos[photo].heading_deg;
     return photo + 1 == evidence_.photos.size() ? here : 0.5 * (here + evidence_.photos[photo + 1].heading_deg);
+  }
+
+  // Where the photos from the first one on, up to the last one, look: who sweeps to and fro is not farthest at either.
+  QualityFinding over(QualityReason reason, size_t first, size_t last) const {
+    QualityFinding finding{reason, from(first), from(first)};
+    for (size_t i = first; i < last; ++i) {
+      finding.from_deg = std::min({finding.from_deg, from(i), to(i)});
+      finding.to_deg = std::max({finding.to_deg, from(i), to(i)});
+    }
+    return on_the_turn(finding);
   }
 
   // One reason is told once where both a measure and a doubt give it for the whole sweep.
@@ -150,7 +160,7 @@ class Judge {
     if (2 * many > count) {
       std::vector<double> sorted = values;
       std::sort(sorted.begin(), sorted.end());
-      add(reason, std::max(sorted[count / 2], sorted[count - many]), bounds, from(0), to(count - 1));
+      add(reason, std::max(sorted[count / 2], sorted[count - many]), bounds);
       return;
     }
     for (size_t i = 0; i < count;) {
@@ -161,7 +171,7 @@ class Judge {
       size_t end = i;
       double most = values[i];
       while (end < count && beyond(end)) most = std::max(most, values[end++]);
-      add(reason, most, bounds, from(i), to(end - 1));
+      add(reason, most, bounds, i, end);
       i = end;
     }
   }
@@ -170,14 +180,14 @@ class Judge {
     const auto& photos = evidence_.photos;
     const DirectionEvidence all = everything();
     find_runs(QualityReason::blurred, options_.smear, [&](size_t i) { return smear_of(photos[i].measures); });
-    add(QualityReason::little_overlap, usual_shift(), options_.usual_shift, begin(), end());
+    add(QualityReason::little_overlap, usual_shift(), options_.usual_shift);
     find_runs(QualityReason::little_overlap, options_.shift, [&](size_t i) { return photos[i].shift; });
     find_runs(QualityReason::exposure_jumps, options_.exposure, [&](size_t i) { return exposure_jump(evidence_, i); });
     if (grade_of(unexplained(all), options_.unexplained) != Grade::good)
       find_runs(QualityReason::contradicted, options_.unexplained, [&](size_t i) { return unexplained(photos[i]); });
-    add(QualityReason::dark, dark_noise(), options_.dark_noise, begin(), end());
+    add(QualityReason::dark, dark_noise(), options_.dark_noise);
     const double holes = static_cast<double>(all.holes) / static_cast<double>(std::max<int64_t>(1, all.pixels));
-    add(QualityReason::holes, holes, options_.holes, begin(), end());
+    add(QualityReason::holes, holes, options_.holes);
   }
 
   void find_by_motion() {
@@ -185,7 +195,7 @@ class Judge {
     const bool turned = motion.parallax > 0 && motion.parallax < options_.least_parallax;
     if (evidence_.motion == SweepMotion::rotation || turned) add_fair(QualityReason::no_parallax);
     if (grade_of(motion.outward, options_.outward) != Grade::good)
-      add(QualityReason::moved_forward, motion.outward, options_.outward, begin(), end());
+      add(QualityReason::moved_forward, motion.outward, options_.outward);
     else if (evidence_.motion == SweepMotion::straight)
       add_fair(QualityReason::moved_straight);
     find_by_poses(motion);
@@ -195,16 +205,15 @@ class Judge {
     if (evidence_.doubt == DoubtfulPoses::contradicted) add_fair(QualityReason::poses_doubtful);
     if (evidence_.doubt == DoubtfulPoses::loose) add_fair(QualityReason::little_overlap);
     if (evidence_.doubt == DoubtfulPoses::lens) add_fair(QualityReason::lens_doubtful);
-    if (evidence_.motion == SweepMotion::arc)
-      add(QualityReason::poses_doubtful, motion.mismatch, options_.mismatch, begin(), end());
-    add(QualityReason::contradicted, 1 - evidence_.agreement, options_.disagreement, begin(), end());
-    add(QualityReason::lens_doubtful, evidence_.reprojection, options_.reprojection, begin(), end());
+    if (evidence_.motion == SweepMotion::arc) add(QualityReason::poses_doubtful, motion.mismatch, options_.mismatch);
+    add(QualityReason::contradicted, 1 - evidence_.agreement, options_.disagreement);
+    add(QualityReason::lens_doubtful, evidence_.reprojection, options_.reprojection);
     const auto posed = static_cast<double>(evidence_.photos.size());
     add(QualityReason::photos_left_out, 1 - posed / std::max(posed, static_cast<double>(evidence_.photos_taken)),
-        options_.left_out, begin(), end());
+        options_.left_out);
   }
 
-  void add_fair(QualityReason reason) { add(reason, 1, {0, 2}, begin(), end()); }
+  void add_fair(QualityReason reason) { add(reason, 1, {0, 2}); }
 
   // Noise that a well exposed photograph would show. One camera's is about the same all along the sweep, and texture
   // adds to what is measured: the quarter of the photographs that show least tell it.
@@ -234,9 +243,6 @@ class Judge {
       for (const DirectionEvidence& part : photo.directions) all.add(part);
     return all;
   }
-
-  double begin() const { return from(0); }
-  double end() const { return to(evidence_.photos.size() - 1); }
 
   std::vector<DirectionQuality> directions() const {
     std::vector<DirectionQuality> all;

@@ -30,9 +30,11 @@ enum class QualityReason : uint8_t {
 };
 constexpr int kQualityReasons = 12;
 
+constexpr double kTurn_deg = 360;
+
 struct QualityFinding {
   QualityReason reason = QualityReason::blurred;
-  double from_deg = 0, to_deg = 0;  // where; from_deg <= to_deg
+  double from_deg = 0, to_deg = 0;  // where; from_deg <= to_deg, which is beyond the turn where it lies across the join
   friend bool operator==(const QualityFinding&, const QualityFinding&) = default;
 };
 

@@ -4,10 +4,13 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 namespace ldp {
 namespace {
+
+constexpr double kTouching_deg = 1.5;  // between places that are told as one
 
 struct Words {
   const char* code;
@@ -32,9 +35,12 @@ constexpr std::array<Words, kQualityReasons> kWords = {{
 
 const Words& words_of(QualityReason reason) { return kWords[static_cast<size_t>(reason)]; }
 
+// Beyond a turn angles begin anew; those before the first photo's are negative.
 std::string place(const QualityFinding& finding) {
-  const std::string from = std::to_string(std::lround(finding.from_deg)),
-                    to = std::to_string(std::lround(finding.to_deg));
+  const double before_deg = kTurn_deg * std::max(0.0, std::floor(finding.from_deg / kTurn_deg));
+  const double behind_deg = finding.to_deg - before_deg > kTurn_deg ? before_deg + kTurn_deg : before_deg;
+  const std::string from = std::to_string(std::lround(finding.from_deg - before_deg)),
+                    to = std::to_string(std::lround(finding.to_deg - behind_deg));
   return from == to ? " near " + from + " degrees" : " between " + from + " and " + to + " degrees";
 }
 
@@ -43,6 +49,41 @@ std::string text_of(QualityReason reason, const std::string& places) {
   std::string text = words.wrong;
   if (const size_t at = text.find("%s"); at != std::string::npos) text.replace(at, 2, places);
   return text + ": " + words.advice;
+}
+
+QualityFinding turned(QualityFinding finding, double by_deg) {
+  return {finding.reason, finding.from_deg + by_deg, finding.to_deg + by_deg};
+}
+
+bool holds(const QualityFinding& outer, const QualityFinding& inner) {
+  const auto lies_in = [&](double by_deg) {
+    const QualityFinding place = turned(inner, by_deg);
+    return place.from_deg >= outer.from_deg && place.to_deg <= outer.to_deg;
+  };
+  return outer.to_deg - outer.from_deg >= kTurn_deg || lies_in(-kTurn_deg) || lies_in(0) || lies_in(kTurn_deg);
+}
+
+// Joins the second to the first, which begins before it, where they touch.
+bool join(QualityFinding& first, const QualityFinding& second) {
+  if (second.from_deg - first.to_deg > kTouching_deg) return false;
+  first.to_deg = std::max(first.to_deg, second.to_deg);
+  if (first.to_deg - first.from_deg >= kTurn_deg) first = {first.reason, 0, kTurn_deg};
+  return true;
+}
+
+// Of one reason, by their angle, whatever their grades: those that hold another one are left out, those that touch are
+// one.
+std::vector<QualityFinding> places_of(std::vector<QualityFinding> alike) {
+  std::stable_sort(alike.begin(), alike.end(), [](const auto& a, const auto& b) { return a.from_deg < b.from_deg; });
+  std::vector<QualityFinding> places;
+  for (const QualityFinding& finding : alike) {
+    const bool holds_another = std::any_of(alike.begin(), alike.end(), [&](const QualityFinding& other) {
+      return holds(finding, other) && !holds(other, finding);
+    });
+    if (!holds_another && (places.empty() || !join(places.back(), finding))) places.push_back(finding);
+  }
+  if (places.size() > 1 && join(places.back(), turned(places.front(), kTurn_deg))) places.erase(places.begin());
+  return places;
 }
 
 }  // namespace
@@ -56,7 +97,6 @@ const char* code_of(QualityReason reason) { return words_of(reason).code; }
 
 std::string text_of(const QualityFinding& finding) { return text_of(finding.reason, place(finding)); }
 
-// Places of one reason by their angle, whatever their grades.
 std::string reasons_of(const SweepQuality& quality) {
   std::string text;
   const auto& all = quality.reasons;
@@ -65,9 +105,9 @@ std::string reasons_of(const SweepQuality& quality) {
     std::copy_if(all.begin(), all.end(), std::back_inserter(alike),
                  [&](const QualityFinding& finding) { return finding.reason == first->reason; });
     if (alike.front() != *first) continue;  // told already
-    std::stable_sort(alike.begin(), alike.end(), [](const auto& a, const auto& b) { return a.from_deg < b.from_deg; });
     std::string places;
-    for (const QualityFinding& finding : alike) places += (places.empty() ? "" : " and") + place(finding);
+    for (const QualityFinding& finding : places_of(std::move(alike)))
+      places += (places.empty() ? "" : " and") + place(finding);
     text += (text.empty() ? "" : "; ") + text_of(first->reason, places);
   }
   return text;

@@ -199,7 +199,7 @@ PreparedBuild prepare(const BuildSetup& setup, const Job& job) {
     if (options.cameras.size() < size_t{kFewestPhotos}) {
       throw BadInput(setup.cameras + ": only " + std::to_string(options.cameras.size()) +
                      " of its cameras are named like photos of " + setup.capture() +
-                     ": check that file_path holds the photos' names");
+                     " of the size that most have: check that file_path holds the photos' names");
     }
   }
   return prepared;

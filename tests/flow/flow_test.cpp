@@ -221,6 +221,8 @@ TEST_F(Flow, RefusesAFolderAPhotoAndCamerasThatCannotBeRead) {
 TEST_F(Flow, RefusesMixedSizesAndATruncatedPhotoByName) {
   for (const char* name : {"mixed/a.jpg", "mixed/c.jpg", "cut/a.jpg", "cut/b.jpg", "cut/c.jpg"}) photo(name);
   photo("mixed/b.jpg", 80, 48);
+  expect_refusal({"build", path("mixed"), "-o", path("a.ldp")}, 1, "b.jpg: its size is not that of most photos");
+  photo("mixed/d.jpg", 80, 48);
   expect_refusal({"build", path("mixed"), "-o", path("a.ldp")}, 2, "b.jpg 80x48");
   fs::resize_file(path("cut/b.jpg"), fs::file_size(path("cut/b.jpg")) / 2);
   expect_refusal({"build", path("cut"), "-o", path("a.ldp")}, 2, "b.jpg");
@@ -373,7 +375,30 @@ TEST_F(Flow, APhotoThatIsDamagedOrLeftOutIsNamedWithTheReason) {
   const Outcome built = ldp(words);
   EXPECT_EQ(built.status, 0) << built.err;
   EXPECT_THAT(built.out, HasSubstr("4 of 5 photos"));
-  EXPECT_THAT(built.out, HasSubstr("extra.png: left out: no camera was given for it\n"));
+  EXPECT_THAT(built.out, HasSubstr("extra.png: left out: no camera was given that fits it\n"));
+
+  auto cameras = nlohmann::json::parse(text_of(path("room/transforms.json")));
+  auto camera = cameras["frames"][1];
+  camera["file_path"] = "frames/extra.png";
+  for (size_t row = 0; row < 3; ++row)
+    for (size_t column = 0; column < 3; ++column) camera["transform_matrix"][row][column] = row == column ? 1 : 0;
+  cameras["frames"].push_back(camera);
+  camera["file_path"] = "frames/narrow.png";
+  cameras["frames"].push_back(camera);
+  std::ofstream(path("down.json")) << cameras;
+  write_file(path("room/frames/narrow.png"), encode_png(RgbImage(72, 96)));
+  const Outcome level = ldp(
+      {"build", path("room"), "-o", path("a.ldp"), "--cameras", path("down.json"), "--layers", "1", "--labels", "2"});
+  EXPECT_EQ(level.status, 0) << level.err;
+  EXPECT_THAT(level.out, HasSubstr("4 of 6 photos"));
+  EXPECT_THAT(level.out, HasSubstr("extra.png: left out: it looks straight up or down\n"));
+  EXPECT_THAT(level.out, HasSubstr("narrow.png: left out: no camera was given that fits it\n"));
+  const Outcome judged = ldp({"evaluate", path("room"), "--cameras", path("down.json"), "--every", "4", "--layers", "1",
+                              "--labels", "2", "--json"});
+  EXPECT_EQ(judged.status, 0) << judged.err;
+  EXPECT_EQ(nlohmann::json::parse(judged.out)["views"].size(), 1U);
+  fs::remove(path("room/frames/narrow.png"));
+
   fs::resize_file(path("room/frames/002.png"), 2000);
   expect_refusal(words, 2,
                  "ldp build: " + path("room/frames/002.png") +

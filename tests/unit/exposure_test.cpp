@@ -132,7 +132,7 @@ TEST(LeftOutWords, NameEveryCauseOnceAndTheFiguresThatBelongToIt) {
   LeftOut why;
   EXPECT_EQ(words_of(why), "");
   EXPECT_FALSE(why);
-  why.size = {300, 400}, why.common_size = {400, 300}, why.original = "IMG_7.jpg", why.inliers = 5;
+  why.original = "IMG_7.jpg", why.inliers = 5;
   std::set<std::string> told;
   for (int cause = 1; cause <= static_cast<int>(LeftOutCause::no_camera); ++cause) {
     why.cause = static_cast<LeftOutCause>(cause);
@@ -141,9 +141,11 @@ TEST(LeftOutWords, NameEveryCauseOnceAndTheFiguresThatBelongToIt) {
     EXPECT_TRUE(told.insert(words_of(why)).second) << words_of(why);
   }
   why.cause = LeftOutCause::other_size;
-  EXPECT_EQ(words_of(why), "it has 300x400 pixels, the other photos 400x300");
+  EXPECT_EQ(words_of(why), "its size is not that of most photos");
   why.cause = LeftOutCause::repeated;
   EXPECT_EQ(words_of(why), "it is the same picture as IMG_7.jpg");
+  why.cause = LeftOutCause::needless;
+  EXPECT_EQ(words_of(why), "it shows next to nothing that IMG_7.jpg does not");
   why.cause = LeftOutCause::few_inliers;
   EXPECT_THAT(words_of(why), HasSubstr("only 5 of its points"));
 }

@@ -76,6 +76,35 @@ TEST_F(FolderFramesTest, NamesBothPhotosWhenSizesAreMixed) {
   EXPECT_THAT(refusal(), testing::AllOf(HasSubstr("a.jpg is 40x30"), HasSubstr("b.jpg 41x30")));
 }
 
+TEST_F(FolderFramesTest, TakesAFewPhotosOfOtherSizesAsTheyAre) {
+  for (const char* const name : {"a.jpg", "b.jpg", "d.jpg"}) photo(name);
+  photo("c.jpg", 30, 40);
+  const FolderFrames frames(folder_);
+  EXPECT_EQ(frames.stored_size(), (ImageSize{40, 30}));
+  EXPECT_EQ(frames.load(1).width, 40);
+  EXPECT_EQ(frames.load(2).width, 30);
+  Camera camera;
+  camera.intrinsics = {40, 30, 30, 30, 20, 15};
+  std::vector<Camera> cameras(4, camera);
+  for (size_t i = 0; i < 4; ++i) cameras[i].name = frames.name(static_cast<int>(i));
+  std::vector<std::string> fitted;
+  for (const Camera& of : frames.fit(cameras)) fitted.push_back(of.name);
+  EXPECT_THAT(fitted, ElementsAre("a.jpg", "b.jpg", "d.jpg"));
+  photo("e.jpg", 30, 40);
+  photo("f.jpg", 30, 40);
+  EXPECT_THAT(refusal(), testing::AllOf(HasSubstr("a.jpg is 40x30"), HasSubstr("c.jpg 30x40")));
+}
+
+// Scaled down to as many pixels as the others a crop of the same shape would pass for one of them.
+TEST_F(FolderFramesTest, APhotoOfAnotherSizeIsScaledDownByAsMuchAsTheOthers) {
+  for (const char* const name : {"a.jpg", "b.jpg"}) photo(name, 200, 150);
+  photo("c.jpg", 100, 76);
+  const FolderFrames frames(folder_, {50 * 38});
+  EXPECT_EQ(frames.working_size(), (ImageSize{50, 37}));
+  EXPECT_EQ(frames.load(2).width, 25);
+  EXPECT_EQ(frames.load(2).height, 19);
+}
+
 TEST_F(FolderFramesTest, NamesATruncatedPhoto) {
   photo("a.jpg", 400, 300);
   std::vector<uint8_t> bytes = read_file(folder_ / "a.jpg");

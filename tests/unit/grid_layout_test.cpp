@@ -350,6 +350,11 @@ TEST(PoseEvidence, TellsMotionAndDoubtsByTheVerdictsNames) {
   poses.report.reprojection_px = 0.7;
   add_pose_evidence(poses, 12, evidence);
   EXPECT_EQ(evidence.photos_taken, 12);
+  poses.report.frames.resize(12);
+  const LeftOutCause causes[] = {LeftOutCause::repeated, LeftOutCause::needless, LeftOutCause::unmatched};
+  for (size_t i = 0; i < 3; ++i) poses.report.frames[i].left_out.cause = causes[i];
+  add_pose_evidence(poses, 12, evidence);
+  EXPECT_EQ(evidence.photos_taken, 10) << "what two of them show is seen all the same";
   EXPECT_DOUBLE_EQ(evidence.reprojection, 0.7 / 140);
   EXPECT_NEAR(evidence.photos[3].turn_deg, 0.125 * 180 / 3.14159265, 1.0 / 256);
   EXPECT_EQ(evidence.photos[3].shared_points, 200);

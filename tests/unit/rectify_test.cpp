@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/unit/simple_capture.h"
@@ -65,6 +67,16 @@ TEST_F(Rectify, APhotoThatLooksStraightUpIsNamedWithWhatToDo) {
     const std::string what = error.what();
     EXPECT_TRUE(what.starts_with("photo 'b.jpg' looks straight up or down")) << what;
     EXPECT_NE(what.find("a turn by 90 or by 270 degrees"), std::string::npos) << what;
+  }
+}
+
+TEST_F(Rectify, CamerasThatLookAlongTheAxisAreToldBefore) {
+  EXPECT_FALSE(looks_straight_up_or_down(cameras_[1], Arc()));
+  for (const auto& [down_deg, wanted] : {std::pair(77, false), {80, true}, {90, true}, {-80, true}}) {
+    cameras_[1] = test::camera_at(0.2);
+    Eigen::Matrix3d& turned = cameras_[1].pose.world_from_camera;
+    turned = turned * Eigen::AngleAxisd(down_deg * 3.14159265 / 180, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    EXPECT_EQ(looks_straight_up_or_down(cameras_[1], Arc()), wanted) << down_deg;
   }
 }
 

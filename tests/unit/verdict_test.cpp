@@ -219,6 +219,41 @@ TEST(Judge, OneReasonInTwoPlacesIsToldOnce) {
             "more light, or turn more slowly at a longer exposure");
 }
 
+TEST(Judge, PlacesOfOneReasonThatTouchOrHoldEachOtherAreTheNarrowestOnes) {
+  SweepQuality quality;
+  const auto places = [&](const std::vector<std::pair<double, double>>& of) {
+    quality.reasons.clear();
+    for (const auto& [from, to] : of) quality.reasons.push_back({QualityReason::blurred, from, to});
+    const std::string text = text_of(quality);
+    const std::string before = "good: the photos ", behind = " are blurred: turn more slowly there";
+    EXPECT_THAT(text, testing::AllOf(testing::StartsWith(before), testing::EndsWith(behind)));
+    return text.substr(before.size(), text.size() - before.size() - behind.size());
+  };
+  EXPECT_EQ(places({{187, 342}, {343, 377}, {0, 360}}), "between 187 and 17 degrees");
+  EXPECT_EQ(places({{343, 377}, {0, 360}}), "between 343 and 17 degrees");
+  EXPECT_EQ(places({{10, 200}, {199, 371}}), "between 0 and 360 degrees");
+  EXPECT_EQ(places({{0, 15}, {100, 120}, {343, 361}}), "between 100 and 120 degrees and between 343 and 15 degrees");
+  EXPECT_EQ(places({{5, 15}, {350, 380}}), "between 5 and 15 degrees");
+  EXPECT_EQ(places({{400, 450}}), "between 40 and 90 degrees");
+  EXPECT_EQ(places({{-10, 20}}), "between -10 and 20 degrees");
+  EXPECT_EQ(places({{10, 30}, {20, 40}, {42, 60}}), "between 10 and 40 degrees and between 42 and 60 degrees");
+  EXPECT_EQ(places({{0, 360}}), "between 0 and 360 degrees");
+}
+
+TEST(Judge, OfWhoSweepsToAndFroEveryPlaceIsTold) {
+  SweepEvidence evidence = clean_sweep();
+  for (int i = 0; i < 14; ++i) evidence.photos[static_cast<size_t>(i)].heading_deg = 10 * std::min(i, 13 - i);
+  for (const size_t i : {8U, 9U}) evidence.photos[i].measures.blur_x = 0.45;
+  evidence.motion = SweepMotion::rotation;
+  const SweepQuality quality = judge(evidence);
+  const auto of = [&](QualityReason reason) {
+    return *std::find_if(quality.reasons.begin(), quality.reasons.end(),
+                         [&](const QualityFinding& finding) { return finding.reason == reason; });
+  };
+  EXPECT_EQ(of(QualityReason::blurred), (QualityFinding{QualityReason::blurred, 35, 55}));
+  EXPECT_EQ(of(QualityReason::no_parallax), (QualityFinding{QualityReason::no_parallax, 0, 60}));
+}
+
 TEST(Judge, WhatMostPhotosHaveIsToldOnceForTheWholeSweep) {
   SweepEvidence evidence = clean_sweep();
   for (size_t i = 0; i < 8; ++i) evidence.photos[i].measures.blur_x = 0.45;
@@ -559,6 +594,26 @@ TEST(TrackFlow, TheShiftIsTheMeanWayOfThePoints) {
     EXPECT_NEAR(aside.photos[i].shift, 0.1 * mean_inverse_depth * k.fx / k.width, 1e-9);
   }
   EXPECT_EQ(aside.photos[0].shift, 0);
+}
+
+// Two rows, up and down in turn.
+TEST(TrackFlow, InRowsTheShiftIsThatFromTheNearestPhotoBefore) {
+  std::vector<Camera> cameras(5, outward_camera(0));
+  const double width = cameras[0].intrinsics.width;
+  const Eigen::Vector2d shifts[] = {{0, 0}, {0, 0.5}, {0.2, 0.5}, {0.2, 0}, {0.6, 0}};
+  std::vector<ScenePoint> points;
+  std::vector<std::vector<Eigen::Vector2d>> sightings;
+  for (int i = 0; i < 20; ++i) {
+    points.push_back({{5, 0.1 * i, 0}, {0, 1, 2, 3, 4}});
+    sightings.emplace_back();
+    for (const Eigen::Vector2d& shift : shifts) sightings.back().push_back(width * shift + Eigen::Vector2d(i, 3));
+  }
+  SweepEvidence evidence;
+  evidence.photos.resize(5);
+  measure_flow(points, sightings, cameras, evidence);
+  const double wanted[] = {0, 0.5, 0.2, 0.2, 0.4};
+  for (size_t i = 0; i < 5; ++i) EXPECT_NEAR(evidence.photos[i].shift, wanted[i], 1e-9) << i;
+  EXPECT_NEAR(evidence.photos[3].far_shift, 0.5, 1e-9) << "which is compared with the turn from the photo before";
 }
 
 // A step aside shifts what is near much more than a small turn would, and what is far hardly.

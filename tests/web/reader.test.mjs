@@ -167,6 +167,14 @@ test('the words of the verdict are those of the programs', () => {
   });
 });
 
+test('a place across the join of a full turn goes on from 0', () => {
+  const place = (from, to) => verdictOf(new Map([['verdict', 1], ['reason.00.code', 0], ['reason.00.from_deg', from],
+                                                 ['reason.00.to_deg', to]])).reasons[0].text.split(' are blurred')[0];
+  assert.equal(place(343, 377), 'the photos between 343 and 17 degrees');
+  assert.equal(place(400, 450), 'the photos between 40 and 90 degrees');
+  assert.equal(place(0, 360), 'the photos between 0 and 360 degrees');
+});
+
 // Offsets are those of the example in FORMAT.md, section 8.
 const FORGERIES = [
   [12, [0], /number of chunks: expected 1 to \d+, found 0/],

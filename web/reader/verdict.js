@@ -44,7 +44,10 @@ export function verdictOf(figures) {
   return { verdict: grade, expectedViewPsnrDb: figures.get('expected_view_psnr_db'), reasons };
 }
 
+/** Beyond a turn angles begin anew; those before the first photo's are negative. */
 function placeOf(fromDeg, toDeg) {
-  const [from, to] = [Math.round(fromDeg), Math.round(toDeg)];
+  const before = 360 * Math.max(0, Math.floor(fromDeg / 360));
+  const behind = toDeg - before > 360 ? before + 360 : before;
+  const [from, to] = [Math.round(fromDeg - before), Math.round(toDeg - behind)];
   return from === to ? ` near ${from} degrees` : ` between ${from} and ${to} degrees`;
 }

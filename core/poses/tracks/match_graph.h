@@ -18,7 +18,7 @@ struct MatchedSweep {
   std::vector<PairMatches> pairs;  // verified
   int track_grid = 1;              // the longest tracks come evenly from so many by so many cells of each photo
   int unfit = 0;                   // photos that can be no part of it
-  std::string first_unfit_name;    // of the first of them
+  std::string first_unfit_name;    // of the first of them that shows what no other does
   LeftOut first_unfit;             // and why
 
   int frames() const { return static_cast<int>(features.size()); }

@@ -71,10 +71,14 @@ void print_summary(const BuildCommand& command, const BuildResult& result, size_
   std::printf("%s: %dx%d, %zu layers, %zu of %zu photos, %zu bytes, %.1f s\n", printable(command.output).c_str(),
               panorama.grid.width, panorama.grid.height, panorama.layers.size(), panorama.cameras.size(),
               result.report.poses.frames.size(), bytes, seconds);
+  int needless = 0;
   for (const FrameReport& frame : result.report.poses.frames) {
-    if (!frame.posed)
+    if (frame.left_out.cause == LeftOutCause::needless)
+      ++needless;
+    else if (!frame.posed)
       std::printf("%s: left out: %s\n", printable(frame.name).c_str(), words_of(frame.left_out).c_str());
   }
+  if (needless > 0) std::printf("%d left out: they show next to nothing that the others do not\n", needless);
   for (const std::string& note : with_switches(result.report.notes))
     std::fprintf(stderr, "ldp build: %s\n", printable(note).c_str());
   std::printf("%s\n", text_of(result.report.quality).c_str());

@@ -68,12 +68,14 @@ Split split(const PreparedBuild& prepared, int every, const Job& job) {
   std::vector<Camera> cameras = prepared.options.cameras;
   if (cameras.empty()) cameras = estimate_poses(prepared.frames, prepared.options.poses, job).cameras;
   Split result;
+  int posed = 0;
   for (int i = 0; i < prepared.frames.size(); ++i) {
     const auto camera = std::find_if(cameras.begin(), cameras.end(),
                                      [&](const Camera& c) { return c.name == prepared.frames.name(i); });
     if (camera == cameras.end()) continue;
-    (left_out(i, every) ? result.test_frames : result.kept_frames).push_back(i);
-    (left_out(i, every) ? result.tests : result.kept).push_back(*camera);
+    const bool is_test = left_out(posed++, every);
+    (is_test ? result.test_frames : result.kept_frames).push_back(i);
+    (is_test ? result.tests : result.kept).push_back(*camera);
   }
   if (result.tests.empty())
     throw Impossible("too few photos to leave each " + std::to_string(every) + "th out: give a smaller --every");
@@ -81,6 +83,16 @@ Split split(const PreparedBuild& prepared, int every, const Job& job) {
     throw Impossible("only " + std::to_string(result.kept.size()) + " photos are left to build from when each " +
                      std::to_string(every) + "th is left out; at least 3 are needed: take more");
   return result;
+}
+
+// Less those of the photos kept that the build had no use for.
+Split used(Split split, const std::map<std::string, Gain>& gains) {
+  for (size_t i = split.kept.size(); i-- > 0;) {
+    if (gains.contains(split.kept[i].name)) continue;
+    split.kept.erase(split.kept.begin() + static_cast<std::ptrdiff_t>(i));
+    split.kept_frames.erase(split.kept_frames.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  return split;
 }
 
 // The exposure that a left-out photo may be expected to have: between those of the photos before and after it.
@@ -234,7 +246,8 @@ int run(const EvaluateCommand& command, const Session& session) {
   BuildOptions options = prepared.options;
   options.cameras = parts.kept;
   const BuildResult result = build(SomeFrames(prepared.frames, parts.kept_frames), options, job);
-  const Evaluation evaluation(prepared, parts, result, job);
+  const Split compared = used(parts, result.report.gains);
+  const Evaluation evaluation(prepared, compared, result, job);
   std::vector<Row> rows;
   const auto judge_all = [&] {
     for (size_t i = 0; i < parts.tests.size(); ++i)

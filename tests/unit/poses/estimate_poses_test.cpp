@@ -298,6 +298,31 @@ TEST(PoseEstimator, GivesTheSameBytesAsAllFramesAtOnceHoweverTheyArrive) {
   EXPECT_TRUE(same_bytes(estimated(), estimate_poses(photos, std::move(in_heaps), job)));
 }
 
+// With so many eighths of its contrast.
+RgbImage pale(const RgbImage& image, int eighths) {
+  RgbImage result = image;
+  for (Rgb& pixel : result.samples) {
+    for (uint8_t* channel : {&pixel.r, &pixel.g, &pixel.b})
+      *channel = static_cast<uint8_t>(128 + (*channel - 128) * eighths / 8);
+  }
+  return result;
+}
+
+TEST(PoseEstimator, OfManyFramesThoseThatShowWhatOthersShowChangeNothing) {
+  std::vector<RgbImage> images;
+  for (const RgbImage& image : rendered(0.65).images) {
+    for (const int eighths : {5, 6, 7, 8, 7, 6}) images.push_back(pale(image, eighths));
+  }
+  const Photos photos(images);
+  PoseEstimator in_heaps{PosesOptions{}};
+  for (const int count : {20, 42}) in_heaps.add_frames(photos, count, Job{});
+  const Poses poses = estimate_poses(photos, std::move(in_heaps), Job{});
+  EXPECT_TRUE(same_bytes(estimated(), poses));
+  for (size_t i = 0; i < images.size(); ++i)
+    EXPECT_EQ(poses.report.frames[i].left_out.cause, i % 6 == 3 ? LeftOutCause::none : LeftOutCause::needless) << i;
+  EXPECT_THAT(words_of(poses.report.frames[7].left_out), HasSubstr("1009.png"));
+}
+
 TEST(PoseEstimator, BeginsAnewWhenItsFramesAreNotTheFirstOfTheSource) {
   class Renamed : public Photos {
    public:
@@ -516,7 +541,7 @@ TEST(EstimatePoses, DropsAPhotoOfAnotherSizeAndSaysSo) {
   images[7] = RgbImage(300, 400, Rgb{});
   const Poses poses = estimate_poses(Photos(images), PosesOptions{}, Job{});
   EXPECT_EQ(poses.cameras.size(), 7U);
-  EXPECT_THAT(words_of(poses.report.frames[7].left_out), HasSubstr("300x400"));
+  EXPECT_EQ(poses.report.frames[7].left_out.cause, LeftOutCause::other_size);
 }
 
 TEST(EstimatePoses, DropsAPhotoThatRepeatsTheOneBefore) {
