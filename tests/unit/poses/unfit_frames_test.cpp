@@ -17,12 +17,12 @@ namespace {
 
 constexpr int kWidth = 800, kHeight = 600;
 
-// Two hundred things, near and far, passed by in steps of so many pixels in the mean.
+// Things near and far, passed by in steps of so many pixels in the mean.
 class Passing {
  public:
-  explicit Passing(double step_px) : step_px_(step_px) {
+  explicit Passing(double step_px, int things = 200) : step_px_(step_px) {
     std::mt19937 random(5);
-    for (int i = 0; i < 200; ++i) {
+    for (int i = 0; i < things; ++i) {
       things_.emplace_back(uniform(random, 0, kWidth), uniform(random, 0, kHeight), uniform(random, 0.6, 1.4));
       for (int k = 0; k < kDescriptorLength; ++k) looks_.push_back(static_cast<int16_t>(random() % 90));
     }
@@ -102,9 +102,9 @@ TEST(UnfitFrames, OfACameraThatStandsStillMoreThanTwoAreTaken) {
   EXPECT_TRUE(still.left_out().empty());
 }
 
-// What the places of fewer frames made neighbours is matched again.
+// Twenty things are enough for neighbours to match, but not for frames far apart, as which they are counted at first.
 TEST(UnfitFrames, AreTheSameHoweverTheFramesArrive) {
-  Passing at_once(3.3), one_by_one(3.3);
+  Passing at_once(0.35, 20), one_by_one(0.35, 20);
   at_once.add(60);
   for (int i = 0; i < 60; ++i) {
     one_by_one.add(1);
