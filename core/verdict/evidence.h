@@ -40,7 +40,7 @@ struct PhotoEvidence {
   double gain = 1;  // factor of green that brings it to the exposure of all
   // Of the points that it shares with the photograph before.
   int shared_points = 0;
-  double shift = 0;      // mean, in widths of the photograph; where that is wide, of the earlier one it moved least from
+  double shift = 0;      // mean, in widths of the photograph
   double far_shift = 0;  // of the farthest of them
   // Of what turns leave of their flow, in normalised image positions: parts away from the middle, lengths, squares.
   double outward = 0, sideward = 0, parallax_squares = 0;

@@ -13,7 +13,6 @@ namespace {
 constexpr size_t kFewest = 8;        // points from which their flow is told
 constexpr size_t kFarthestPart = 4;  // of the points, 1 .. kFewest: the part whose shift is taken for the turn's
 constexpr int kReach = 3;            // photographs before, for parallax: what is far moves little from one to the next
-constexpr double kWideShift = 0.38;  // widths, from which an earlier photograph may have more in common than the last
 
 struct Matched {
   std::vector<Eigen::Vector2d> before, after;  // pixels
@@ -128,21 +127,6 @@ void measure_step(const Pose& before, const Pose& after, PhotoEvidence& photo) {
   photo.forward = length(middle) > 0 ? exact_dot(way, middle) / length(middle) : 0;
 }
 
-// Of sweeps in rows the photograph before is at times of another row, and one of the same row stands beside.
-void take_nearest_shift(const std::vector<ScenePoint>& points,
-                        const std::vector<std::vector<Eigen::Vector2d>>& sightings, const std::vector<Camera>& cameras,
-                        std::vector<PhotoEvidence>& photos) {
-  const auto is_wide = [](const PhotoEvidence& photo) { return photo.shift > kWideShift; };
-  if (std::none_of(photos.begin(), photos.end(), is_wide)) return;
-  for (int reach = 2; reach < static_cast<int>(cameras.size()); ++reach) {
-    const Pairs earlier = pairs_of(points, sightings, cameras, reach);
-    for (auto i = static_cast<size_t>(reach); i < cameras.size(); ++i) {
-      if (!is_wide(photos[i]) || earlier[i].before.size() < kFewest) continue;
-      photos[i].shift = std::min(photos[i].shift, mean_shift(earlier[i]) / cameras[i].intrinsics.width);
-    }
-  }
-}
-
 }  // namespace
 
 void measure_flow(const std::vector<ScenePoint>& points, const std::vector<std::vector<Eigen::Vector2d>>& sightings,
@@ -157,7 +141,6 @@ void measure_flow(const std::vector<ScenePoint>& points, const std::vector<std::
     photo.far_shift = mean_shift(farthest_of(neighbours[i])) / cameras[i].intrinsics.width;
     LeftOver(neighbours[i], cameras[i - 1], cameras[i]).add_to(photo);
   }
-  take_nearest_shift(points, sightings, cameras, evidence.photos);
   const Pairs apart = pairs_of(points, sightings, cameras, kReach);
   for (size_t i = kReach; i < cameras.size(); ++i)
     if (apart[i].before.size() >= kFewest)

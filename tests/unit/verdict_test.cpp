@@ -596,26 +596,6 @@ TEST(TrackFlow, TheShiftIsTheMeanWayOfThePoints) {
   EXPECT_EQ(aside.photos[0].shift, 0);
 }
 
-// Two rows, up and down in turn.
-TEST(TrackFlow, InRowsTheShiftIsThatFromTheNearestPhotoBefore) {
-  std::vector<Camera> cameras(5, outward_camera(0));
-  const double width = cameras[0].intrinsics.width;
-  const Eigen::Vector2d shifts[] = {{0, 0}, {0, 0.5}, {0.2, 0.5}, {0.2, 0}, {0.6, 0}};
-  std::vector<ScenePoint> points;
-  std::vector<std::vector<Eigen::Vector2d>> sightings;
-  for (int i = 0; i < 20; ++i) {
-    points.push_back({{5, 0.1 * i, 0}, {0, 1, 2, 3, 4}});
-    sightings.emplace_back();
-    for (const Eigen::Vector2d& shift : shifts) sightings.back().push_back(width * shift + Eigen::Vector2d(i, 3));
-  }
-  SweepEvidence evidence;
-  evidence.photos.resize(5);
-  measure_flow(points, sightings, cameras, evidence);
-  const double wanted[] = {0, 0.5, 0.2, 0.2, 0.4};
-  for (size_t i = 0; i < 5; ++i) EXPECT_NEAR(evidence.photos[i].shift, wanted[i], 1e-9) << i;
-  EXPECT_NEAR(evidence.photos[3].far_shift, 0.5, 1e-9) << "which is compared with the turn from the photo before";
-}
-
 // A step aside shifts what is near much more than a small turn would, and what is far hardly.
 TEST(TrackFlow, ThePointsFarthestAwayTellTheTurnsShift) {
   const SweepEvidence aside = flow_of({0.1, 0, 0});
