@@ -63,7 +63,7 @@ size_t fit_count(const std::vector<LeftOut>& unfit) {
 
 // Of not too many frames all stay; of more as many as the least step leaves that leaves no more, but three at least.
 std::vector<LeftOut> without_needless(const std::vector<Frame>& frames, FramePairs& pairs, const Job& job,
-                                      std::vector<LeftOut> unfit) {
+                                      const std::vector<LeftOut>& unfit) {
   std::vector<LeftOut> fewer = unfit;
   for (const double step : kDenseSteps) {
     if (fit_count(fewer) <= kManyFrames) break;
@@ -98,7 +98,7 @@ std::vector<LeftOut> unfit_frames(const std::vector<Frame>& frames, FramePairs& 
       unfit[i].original = frames[i - 1].name;
     }
   }
-  return without_needless(frames, pairs, job, std::move(unfit));
+  return without_needless(frames, pairs, job, unfit);
 }
 
 void require_three_fit(const std::vector<Frame>& frames, const std::vector<LeftOut>& unfit) {

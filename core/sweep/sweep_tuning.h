@@ -6,7 +6,10 @@ namespace ldp::sweep::tuning {
 
 // Which cameras see a voxel well enough to be compared (voxel_lines.h).
 constexpr double kLeastCosine = 0.3;  // between the ray and the camera's axis, 0 .. 1: 72 degrees
-constexpr double kLargestStep = 4;    // photo rows per panorama row, above 1; beyond, a voxel is too near to the camera
+// Of the cameras nearest to a ray from first to last, over the range of depths, as a tangent; with less, others are
+// compared that stand so far apart together; .2 .. .4.
+constexpr double kLeastParallax = 0.28;
+constexpr double kLargestStep = 4;  // photo rows per panorama row, above 1; beyond, a voxel is too near to the camera
 
 // Plain parts (cost_volume.h): where the reference is plain over all that a cost depends on, labels differ by what
 // photographs of one surface differ by: reflections, shading, noise. Costs that exceed the least by no more are equal,

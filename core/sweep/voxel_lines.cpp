@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/sweep/sweep_tuning.h"
 
@@ -37,14 +38,47 @@ LineTable::LineTable(const std::vector<UprightFrame>& frames, const PanoramaGrid
   for (int i = 0; i < columns; ++i) {
     const Heading outward = heading(grid.theta((grid.wraps ? i : i - margin_px) + 0.5), Rounding::none);
     outward_.push_back(outward);
-    std::vector<std::pair<double, uint16_t>> seen;
-    for (size_t k = 0; k < projections_.size(); ++k)
-      if (projections_[k].column(outward).forward > kLeastCosine)
-        seen.emplace_back(std::abs(projections_[k].aside(outward)), static_cast<uint16_t>(k));
-    std::sort(seen.begin(), seen.end());
-    auto& views = views_of_column_.emplace_back();
-    for (const auto& [cost, view] : seen) views.push_back(view);
+    views_of_column_.push_back(views_of(outward));
   }
+}
+
+std::vector<uint16_t> LineTable::views_of(Heading outward) const {
+  std::vector<std::pair<double, uint16_t>> seen;
+  for (size_t k = 0; k < projections_.size(); ++k)
+    if (projections_[k].column(outward).forward > kLeastCosine)
+      seen.emplace_back(std::abs(projections_[k].aside(outward)), static_cast<uint16_t>(k));
+  std::sort(seen.begin(), seen.end());
+  std::vector<uint16_t> views;
+  for (const auto& [aside, view] : seen) views.push_back(view);
+  spread(outward, views);
+  return views;
+}
+
+void LineTable::spread(Heading outward, std::vector<uint16_t>& views) const {
+  std::vector<double> places;
+  double first = 0, last = 0;  // of the nearest that show it, to either side
+  int count = 0;
+  for (const uint16_t view : views) {
+    const VoxelProjection& projection = projections_[view];
+    places.push_back(projection.aside(outward));
+    const double x_px = projection.x_px(projection.column(outward), grid_.w_far);
+    if (count == kernels::kMaxViews || !(x_px >= 0 && x_px < frames_[view].camera.width)) continue;
+    first = count == 0 ? places.back() : std::min(first, places.back());
+    last = count++ == 0 ? places.back() : std::max(last, places.back());
+  }
+  const double range = grid_.w_near - grid_.w_far;
+  if (count < kernels::kMaxViews || (last - first) * range >= kLeastParallax) return;
+  const double least = kLeastParallax / range / (kernels::kMaxViews - 1);
+  std::vector<uint16_t> apart, between;
+  std::vector<double> taken;
+  for (size_t i = 0; i < views.size(); ++i) {
+    const bool is_between =
+        std::any_of(taken.begin(), taken.end(), [&](double place) { return std::abs(place - places[i]) < least; });
+    (is_between ? between : apart).push_back(views[i]);
+    if (!is_between) taken.push_back(places[i]);
+  }
+  apart.insert(apart.end(), between.begin(), between.end());
+  views = std::move(apart);
 }
 
 size_t LineTable::slot(int column) const {

@@ -45,11 +45,14 @@ class LineTable {
             const std::vector<VisibilityMap>& visibility, int margin_px, Layer layer);
 
   // The lines of a column (-margin .. width + margin, modulo the width when the grid wraps) at an inverse depth, cut to
-  // the rows [y_begin, y_end): the kMaxViews cameras that look most nearly the same way, among those that see any of
-  // it.
+  // the rows [y_begin, y_end): the kMaxViews cameras that look most nearly the same way, or that stand apart where
+  // these are close together, among those that see any of it.
   void find(int column, double inverse_depth, int y_begin, int y_end, Lines& lines) const;
 
  private:
+  std::vector<uint16_t> views_of(Heading outward) const;  // best first
+  // Of photos taken densely the nearest show next to no parallax: those that stand apart go before those between them.
+  void spread(Heading outward, std::vector<uint16_t>& views) const;
   bool make_line(size_t view, Heading outward, double inverse_depth, Line& line) const;
   size_t slot(int column) const;
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/sweep/sweep_kernels.h"
+#include "core/sweep/voxel_lines.h"
 #include "core/sweep/weak_membrane.h"
 #include "core/sweep/weighted_median.h"
 #include "tests/unit/simple_capture.h"
@@ -319,6 +320,32 @@ std::vector<UprightFrame> pictures_with_something_nearer(double w) {
       if (nearer.columns.samples[k] > 0) frames[static_cast<size_t>(i)].columns.samples[k] = nearer.columns.samples[k];
   }
   return frames;
+}
+
+// Which of the cameras, so many either side of the middle and so far apart, are compared there, the first of them
+// first.
+std::vector<int> compared(int aside, double step) {
+  std::vector<UprightFrame> frames;
+  for (int i = -aside; i <= aside; ++i) {
+    frames.push_back(upright_of(camera_at(i * step), i + aside));
+    std::fill(frames.back().columns.samples.begin(), frames.back().columns.samples.end(),
+              static_cast<uint8_t>(i + aside));
+  }
+  const std::vector<VisibilityMap> none;
+  const LineTable table(frames, simple_grid(0.6), none, 0, LineTable::Layer::front);
+  Lines lines;
+  table.find(50, 0.2, 0, 60, lines);
+  std::vector<int> numbers;
+  for (int i = 0; i < lines.count; ++i) numbers.push_back(*lines.line[static_cast<size_t>(i)].grey.left - aside);
+  if (!numbers.empty()) std::sort(numbers.begin() + 1, numbers.end());
+  return numbers;
+}
+
+TEST(LineTable, ComparesCamerasThatStandApartWhereTheNearestAreCloseTogether) {
+  EXPECT_EQ(compared(5, 0.1), (std::vector{0, -4, -3, -2, -1, 1, 2, 3})) << "no closer than that";
+  EXPECT_EQ(compared(20, 0.02), (std::vector{0, -16, -12, -8, -4, 4, 8, 12}));
+  EXPECT_EQ(compared(5, 0.02), (std::vector{0, -4, -3, -2, -1, 1, 2, 4})) << "and those between them where few do";
+  EXPECT_EQ(compared(3, 0.02), (std::vector{0, -3, -2, -1, 1, 2, 3})) << "or there are no more";
 }
 
 TEST(MatchedNear, TakesInWhatMatchesNearerThanTheRange) {
