@@ -322,30 +322,37 @@ std::vector<UprightFrame> pictures_with_something_nearer(double w) {
   return frames;
 }
 
-// Which of the cameras, so many either side of the middle and so far apart, are compared there, the first of them
-// first.
-std::vector<int> compared(int aside, double step) {
+// Which of cameras at these angles are compared in the middle of the grid, the first of them first.
+std::vector<int> compared(const std::vector<double>& thetas) {
   std::vector<UprightFrame> frames;
-  for (int i = -aside; i <= aside; ++i) {
-    frames.push_back(upright_of(camera_at(i * step), i + aside));
-    std::fill(frames.back().columns.samples.begin(), frames.back().columns.samples.end(),
-              static_cast<uint8_t>(i + aside));
+  for (size_t i = 0; i < thetas.size(); ++i) {
+    frames.push_back(upright_of(camera_at(thetas[i]), static_cast<int>(i)));
+    std::fill(frames[i].columns.samples.begin(), frames[i].columns.samples.end(), static_cast<uint8_t>(i));
   }
   const std::vector<VisibilityMap> none;
   const LineTable table(frames, simple_grid(0.6), none, 0, LineTable::Layer::front);
   Lines lines;
   table.find(50, 0.2, 0, 60, lines);
   std::vector<int> numbers;
-  for (int i = 0; i < lines.count; ++i) numbers.push_back(*lines.line[static_cast<size_t>(i)].grey.left - aside);
+  for (size_t i = 0; i < static_cast<size_t>(lines.count); ++i) numbers.push_back(*lines.line[i].grey.left);
   if (!numbers.empty()) std::sort(numbers.begin() + 1, numbers.end());
   return numbers;
 }
 
+// The middle, and in turn to either side of it.
+std::vector<double> steps(int aside, double step) {
+  std::vector<double> thetas{0};
+  for (int i = 1; i <= aside; ++i) thetas.insert(thetas.end(), {-i * step, i * step});
+  return thetas;
+}
+
 TEST(LineTable, ComparesCamerasThatStandApartWhereTheNearestAreCloseTogether) {
-  EXPECT_EQ(compared(5, 0.1), (std::vector{0, -4, -3, -2, -1, 1, 2, 3})) << "no closer than that";
-  EXPECT_EQ(compared(20, 0.02), (std::vector{0, -16, -12, -8, -4, 4, 8, 12}));
-  EXPECT_EQ(compared(5, 0.02), (std::vector{0, -4, -3, -2, -1, 1, 2, 4})) << "and those between them where few do";
-  EXPECT_EQ(compared(3, 0.02), (std::vector{0, -3, -2, -1, 1, 2, 3})) << "or there are no more";
+  EXPECT_EQ(compared(steps(5, 0.1)), (std::vector{0, 1, 2, 3, 4, 5, 6, 7})) << "no closer than that";
+  EXPECT_EQ(compared({0, 0.01, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3, 0.4}), (std::vector{0, 1, 2, 3, 4, 5, 6, 7}))
+      << "two may be, where the others are not";
+  EXPECT_EQ(compared(steps(20, 0.02)), (std::vector{0, 7, 8, 15, 16, 23, 24, 31})) << "each fourth";
+  EXPECT_EQ(compared(steps(5, 0.02)), (std::vector{0, 1, 2, 3, 4, 5, 7, 8})) << "and those between where few do";
+  EXPECT_EQ(compared(steps(3, 0.02)), (std::vector{0, 1, 2, 3, 4, 5, 6})) << "or there are no more";
 }
 
 TEST(MatchedNear, TakesInWhatMatchesNearerThanTheRange) {
