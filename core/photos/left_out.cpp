@@ -6,7 +6,7 @@ std::string words_of(const LeftOut& why) {
     case LeftOutCause::none:
       return {};
     case LeftOutCause::other_size:
-      return "its size is not that of most photos";
+      return "its size is not that of most photos (turned, cropped or scaled?)";
     case LeftOutCause::repeated:
       return "it is the same picture as " + why.original;
     case LeftOutCause::needless:
@@ -24,7 +24,7 @@ std::string words_of(const LeftOut& why) {
     case LeftOutCause::up_or_down:
       return "it looks straight up or down";
     case LeftOutCause::no_camera:
-      return "no camera was given that fits it";
+      return "no camera of its name and size was given";
   }
   return {};
 }

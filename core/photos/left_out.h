@@ -17,7 +17,7 @@ enum class LeftOutCause : uint8_t {
   few_inliers,        // only `inliers` of its points agree with the cameras
   few_shared_points,  // too few for resection
   up_or_down,         // it looks along the arc's axis
-  no_camera           // none was given that fits it
+  no_camera           // none of its name and size was given
 };
 
 struct LeftOut {

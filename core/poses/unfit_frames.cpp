@@ -61,7 +61,8 @@ size_t fit_count(const std::vector<LeftOut>& unfit) {
   return static_cast<size_t>(std::count_if(unfit.begin(), unfit.end(), [](const LeftOut& why) { return !why; }));
 }
 
-// Of not too many frames all stay; of more as many as the least step leaves that leaves no more, but three at least.
+// More than kManyFrames are thinned by the first of the steps that leaves no more than these, or else by the last that
+// leaves enough.
 std::vector<LeftOut> without_needless(const std::vector<Frame>& frames, FramePairs& pairs, const Job& job,
                                       const std::vector<LeftOut>& unfit) {
   std::vector<LeftOut> fewer = unfit;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/sweep/sweep_tuning.h"
@@ -56,15 +57,17 @@ std::vector<uint16_t> LineTable::views_of(Heading outward) const {
 
 void LineTable::spread(Heading outward, std::vector<uint16_t>& views) const {
   std::vector<double> places;
-  double first = 0, last = 0;  // of the nearest that show it, to either side
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  double first = kInfinite, last = -kInfinite;  // of the nearest that show it, to either side
   int count = 0;
   for (const uint16_t view : views) {
     const VoxelProjection& projection = projections_[view];
     places.push_back(projection.aside(outward));
     const double x_px = projection.x_px(projection.column(outward), grid_.w_far);
     if (count == kernels::kMaxViews || !(x_px >= 0 && x_px < frames_[view].camera.width)) continue;
-    first = count == 0 ? places.back() : std::min(first, places.back());
-    last = count++ == 0 ? places.back() : std::max(last, places.back());
+    ++count;
+    first = std::min(first, places.back());
+    last = std::max(last, places.back());
   }
   const double range = grid_.w_near - grid_.w_far;
   if (count < kernels::kMaxViews || (last - first) * range >= kLeastParallax) return;

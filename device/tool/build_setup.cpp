@@ -199,7 +199,8 @@ PreparedBuild prepare(const BuildSetup& setup, const Job& job) {
     if (options.cameras.size() < size_t{kFewestPhotos}) {
       throw BadInput(setup.cameras + ": only " + std::to_string(options.cameras.size()) +
                      " of its cameras are named like photos of " + setup.capture() +
-                     " of the size that most have: check that file_path holds the photos' names");
+                     " of the size that most have, at least " + std::to_string(kFewestPhotos) +
+                     " are needed: check that file_path holds the photos' names");
     }
   }
   return prepared;

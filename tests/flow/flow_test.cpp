@@ -375,7 +375,7 @@ TEST_F(Flow, APhotoThatIsDamagedOrLeftOutIsNamedWithTheReason) {
   const Outcome built = ldp(words);
   EXPECT_EQ(built.status, 0) << built.err;
   EXPECT_THAT(built.out, HasSubstr("4 of 5 photos"));
-  EXPECT_THAT(built.out, HasSubstr("extra.png: left out: no camera was given that fits it\n"));
+  EXPECT_THAT(built.out, HasSubstr("extra.png: left out: no camera of its name and size was given\n"));
 
   auto cameras = nlohmann::json::parse(text_of(path("room/transforms.json")));
   auto camera = cameras["frames"][1];
@@ -392,7 +392,7 @@ TEST_F(Flow, APhotoThatIsDamagedOrLeftOutIsNamedWithTheReason) {
   EXPECT_EQ(level.status, 0) << level.err;
   EXPECT_THAT(level.out, HasSubstr("4 of 6 photos"));
   EXPECT_THAT(level.out, HasSubstr("extra.png: left out: it looks straight up or down\n"));
-  EXPECT_THAT(level.out, HasSubstr("narrow.png: left out: no camera was given that fits it\n"));
+  EXPECT_THAT(level.out, HasSubstr("narrow.png: left out: no camera of its name and size was given\n"));
   const Outcome judged = ldp({"evaluate", path("room"), "--cameras", path("down.json"), "--every", "4", "--layers", "1",
                               "--labels", "2", "--json"});
   EXPECT_EQ(judged.status, 0) << judged.err;

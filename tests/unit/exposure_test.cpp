@@ -141,7 +141,7 @@ TEST(LeftOutWords, NameEveryCauseOnceAndTheFiguresThatBelongToIt) {
     EXPECT_TRUE(told.insert(words_of(why)).second) << words_of(why);
   }
   why.cause = LeftOutCause::other_size;
-  EXPECT_EQ(words_of(why), "its size is not that of most photos");
+  EXPECT_EQ(words_of(why), "its size is not that of most photos (turned, cropped or scaled?)");
   why.cause = LeftOutCause::repeated;
   EXPECT_EQ(words_of(why), "it is the same picture as IMG_7.jpg");
   why.cause = LeftOutCause::needless;

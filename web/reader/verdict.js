@@ -7,7 +7,7 @@ const REASONS = [
   ['moved_forward', 'the camera moved forward instead of around', 'stay on the spot and turn'],
   ['moved_straight', 'the camera moved along a line instead of around', 'stay on the spot and turn'],
   ['poses_doubtful', 'where the camera was is doubtful', 'turn slowly, past things that differ and stand still'],
-  ['photos_left_out', 'many photos could not be placed beside the others', 'take one sweep alone, without haste'],
+  ['photos_left_out', 'many photos were left out', 'take one sweep alone, without haste'],
   ['exposure_jumps', 'the exposure jumps between the photos%s', 'lock the exposure'],
   ['contradicted', 'the photos%s contradict each other', 'wait until nothing moves, and keep away from what is near'],
   ['holes', 'views%s have holes', 'sweep all of it'],
