@@ -35,8 +35,8 @@ std::mutex& mutex() {
   return one;
 }
 
-// Under the mutex: the arrays that are mapped, the folder for new ones, empty where there is no scratch space, and the
-// bytes that the process may hold.
+// Under the mutex: the arrays that are mapped, the folder for new ones, empty where there is no scratch space, the
+// bytes that the process may hold, and those of files that it held before there were such arrays.
 std::map<void*, size_t>& arrays() {
   static std::map<void*, size_t> all;
   return all;
@@ -46,6 +46,10 @@ std::string& folder() {
   return one;
 }
 size_t& budget() {
+  static size_t bytes = 0;
+  return bytes;
+}
+size_t& of_other_files() {
   static size_t bytes = 0;
   return bytes;
 }
@@ -94,12 +98,14 @@ Clock::time_point& next_look() {
 }
 
 // Under the mutex. Where little of what is held is arrays, not again and again: they would come and go without end.
+// That is told from what is no array, not from what is left: another thread may touch arrays meanwhile.
 void let_go_where_full() {
-  const Clock::time_point now = Clock::now();
-  if (now < next_look() || resident_bytes() <= budget()) return;
+  if (Clock::now() < next_look()) return;
+  const Resident held = resident();
+  if (held.all <= budget()) return;
   for (const auto& [array, bytes] : arrays()) ::madvise(array, bytes, MADV_DONTNEED);
-  if (static_cast<double>(resident_bytes()) > kMostly * static_cast<double>(budget()))
-    next_look() = Clock::now() + kLook;
+  const size_t no_array = held.all - held.of_files + of_other_files();
+  if (static_cast<double>(no_array) > kMostly * static_cast<double>(budget())) next_look() = Clock::now() + kLook;
 }
 
 }  // namespace
@@ -137,8 +143,8 @@ struct ScratchSpace::Keeper {
 };
 
 void let_go_if_full() {
-  const std::unique_lock lock(mutex(), std::try_to_lock);
-  if (lock.owns_lock() && !folder().empty()) let_go_where_full();
+  const std::lock_guard lock(mutex());
+  if (!folder().empty()) let_go_where_full();
 }
 
 ScratchSpace::ScratchSpace(const std::string& in, size_t resident_bytes) {
@@ -151,6 +157,7 @@ ScratchSpace::ScratchSpace(const std::string& in, size_t resident_bytes) {
     if (!folder().empty()) throw std::logic_error("there is a scratch space already");
     folder() = in;
     budget() = resident_bytes;
+    if (arrays().empty()) of_other_files() = resident().of_files;
     keeper_ = std::move(keeper);
   }
   forget_kept_arrays();
