@@ -39,7 +39,8 @@ void add_pose_evidence(const Poses& poses, int photos_taken, SweepEvidence& evid
   evidence.motion = motion_from(poses.report.motion);
   evidence.doubt = doubtful(poses.report.doubt_kind);
   evidence.photos_taken = photos_taken - shown_by_others(poses.report);
-  evidence.reprojection = poses.report.reprojection_px / poses.cameras.front().intrinsics.width;
+  const Intrinsics& k = poses.cameras.front().intrinsics;
+  evidence.reprojection = poses.report.reprojection_px / std::max(k.width, k.height);
   evidence.agreement = poses.report.agreement;
   measure_flow(poses.points, poses.sightings, poses.cameras, evidence);
 }

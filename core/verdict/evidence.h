@@ -56,7 +56,7 @@ struct SweepEvidence {
   DoubtfulPoses doubt = DoubtfulPoses::no;
   int photos_taken = 0;               // posed or not, but for those that show what others show
   double field_deg = 0;               // horizontal field of view
-  double reprojection = 0;            // root mean square, in widths of the photograph
+  double reprojection = 0;            // root mean square, in longer sides of the photograph
   double agreement = 1;               // share of the matches of neighbouring photographs that fit the poses
   double first_deg = 0;               // where the first direction begins
   std::vector<PhotoEvidence> photos;  // posed ones

@@ -20,7 +20,7 @@ enum class Feature : uint8_t {
   plain,         // 255 over the differences of neighbouring pixels [dB]
   dark,          // factors of two that photographs are darker than well exposed ones
   blur,          // of the axis that is blurred more, beyond what sharp photographs have
-  reprojection,  // root mean square, in thousandths of the photograph's width, beyond 1
+  reprojection,  // root mean square, in thousandths of the photograph's longer side, beyond 1
   shift,         // from photograph to photograph, in widths, beyond what three quarters of overlap have
   flat,          // factors of two by which parallax is less than a sweep's
   outward,       // share of the parallax that points away from the middle of the photographs, beyond half

@@ -25,7 +25,7 @@ struct JudgeOptions {
   Bounds mismatch{0.28, 0.6};          // photographs' shift against the poses' turns, logarithm
   Bounds unexplained{0.06, 0.25};      // share of the pixels
   Bounds disagreement{0.04, 0.15};     // share of the matches of neighbouring photographs that do not fit the poses
-  Bounds reprojection{0.0013, 0.004};  // root mean square, in widths
+  Bounds reprojection{0.0013, 0.004};  // root mean square, in longer sides
   Bounds holes{0.05, 0.2};             // share of the photographs' pixels
   Bounds expected_db{17, 15.5};        // of new views: below
   double least_parallax = 0.002;       // tangent of an angle, below which a camera only turned

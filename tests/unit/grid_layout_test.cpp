@@ -356,6 +356,9 @@ TEST(PoseEvidence, TellsMotionAndDoubtsByTheVerdictsNames) {
   add_pose_evidence(poses, 12, evidence);
   EXPECT_EQ(evidence.photos_taken, 10) << "what two of them show is seen all the same";
   EXPECT_DOUBLE_EQ(evidence.reprojection, 0.7 / 140);
+  for (Camera& camera : poses.cameras) camera.intrinsics.height = 280;
+  add_pose_evidence(poses, 12, evidence);
+  EXPECT_DOUBLE_EQ(evidence.reprojection, 0.7 / 280) << "of photos that stand upright, too, the longer side counts";
   EXPECT_NEAR(evidence.photos[3].turn_deg, 0.125 * 180 / 3.14159265, 1.0 / 256);
   EXPECT_EQ(evidence.photos[3].shared_points, 200);
   EXPECT_EQ(evidence.photos[2].shared_points, 0);
