@@ -9,7 +9,6 @@
 #include "core/poses/features/features.h"
 #include "core/poses/poses.h"
 #include "core/poses/poses_tuning.h"
-#include "core/poses/start/motion_model.h"
 #include "core/poses/tracks/tracks.h"
 #include "core/poses/tracks/triangulation.h"
 
@@ -160,12 +159,6 @@ bool is_pure_rotation(std::vector<double>& parallax_px, double spread) {
   return *high < kStillParallax_px;
 }
 
-std::vector<Pose> poses_of(const std::vector<KnownFrame>& known) {
-  std::vector<Pose> poses;
-  for (const KnownFrame& k : known) poses.push_back(k.camera.pose);
-  return poses;
-}
-
 // Where the cameras are: points are triangulated from here.
 struct KnownSpace {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // their mean
@@ -274,8 +267,7 @@ Poses triangulate(const FrameSource& frames, const std::vector<Camera>& cameras,
   const std::vector<Features> features = add_cameras(known, poses);
   Errors errors{std::vector<double>(known.size(), 0), {}};
   for (const Track& track : build_tracks(features, pairs)) add_point(known, space, track, poses, errors);
-  poses.report.motion =
-      is_pure_rotation(errors.parallax_px, space.spread) ? Motion::rotation : motion_of_path(poses_of(known));
+  if (is_pure_rotation(errors.parallax_px, space.spread)) poses.report.motion = Motion::rotation;
   report_errors(known, errors.squared_px, poses.report);
   poses.report.points = static_cast<int>(poses.points.size());
   job.report("points", 1);

@@ -5,6 +5,10 @@
 #include <numbers>
 
 #include "core/base/files.h"
+#include "core/captures/transforms.h"
+#include "sim/scene/picture.h"
+#include "sim/scene/scenes.h"
+#include "sim/scene/sweep_path.h"
 #include "tests/flow/flow.h"
 
 namespace ldp {
@@ -88,6 +92,26 @@ TEST_F(GivenCameras, TrueCamerasAreNotSpokenOf) {
   const Outcome built = ldp(build_with([](auto&, auto&) {}));
   EXPECT_EQ(built.status, 0);
   EXPECT_EQ(built.err, "");
+}
+
+TEST_F(GivenCameras, AlongALineAreJudgedAsSuch) {
+  SweepPath path_of_hand;
+  path_of_hand.frames = 6, path_of_hand.width = 160, path_of_hand.height = 120;
+  std::vector<Camera> cameras = sweep_cameras(path_of_hand);
+  const Scene scene(make_scene("room", 1));
+  fs::create_directory(path("line"));
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    cameras[i].pose = cameras[0].pose;
+    cameras[i].pose.centre += 0.1 * static_cast<double>(i) * cameras[0].pose.world_from_camera.col(0);
+    write_file(path("line/" + cameras[i].name), encode_png(take_picture(scene, cameras[i], {}, Job{}).colour));
+  }
+  std::ofstream(path("line.json")) << transforms_json(cameras);
+  const Outcome built = ldp({"build", path("line"), "-o", path("a.ldp"), "--cameras", path("line.json"), "--layers",
+                             "1", "--report", path("report.json")});
+  EXPECT_EQ(built.status, 0) << built.err;
+  EXPECT_THAT(built.out, HasSubstr("the camera moved along a line instead of around"));
+  EXPECT_THAT(built.out, testing::Not(HasSubstr("where the camera was is doubtful")));
+  EXPECT_EQ(nlohmann::json::parse(text_of(path("report.json")))["poses"]["motion"], "straight");
 }
 
 // Cameras go out as a COLMAP model and come in again.

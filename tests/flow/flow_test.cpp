@@ -396,7 +396,16 @@ TEST_F(Flow, APhotoThatIsDamagedOrLeftOutIsNamedWithTheReason) {
   const Outcome judged = ldp({"evaluate", path("room"), "--cameras", path("down.json"), "--every", "4", "--layers", "1",
                               "--labels", "2", "--json"});
   EXPECT_EQ(judged.status, 0) << judged.err;
-  EXPECT_EQ(nlohmann::json::parse(judged.out)["views"].size(), 1U);
+  const auto parsed = nlohmann::json::parse(judged.out);
+  EXPECT_EQ(parsed["views"].size(), 1U);
+  ASSERT_EQ(parsed["left_out"].size(), 2U);
+  EXPECT_EQ(parsed["left_out"][0]["name"], "narrow.png");
+  EXPECT_EQ(parsed["left_out"][1]["reason"], "it looks straight up or down");
+  const Outcome told =
+      ldp({"evaluate", path("room"), "--cameras", path("down.json"), "--every", "4", "--layers", "1", "--labels", "2"});
+  EXPECT_THAT(told.out, testing::StartsWith("built from 3 photos, compared with 1 that it was built without\n"
+                                            "narrow.png: left out: no camera of its name and size was given\n"
+                                            "extra.png: left out: it looks straight up or down\n"));
   fs::remove(path("room/frames/narrow.png"));
 
   fs::resize_file(path("room/frames/002.png"), 2000);

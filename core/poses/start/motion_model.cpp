@@ -165,12 +165,9 @@ double motion_roughness(const std::vector<LeftOut>& left_out, const Bundle& bund
   return sum / static_cast<double>(steps.size());
 }
 
-Motion motion_of_path(const std::vector<Pose>& cameras) {
-  return fit_circle(cameras).bends ? Motion::arc : Motion::straight;
-}
-
 void classify_motion(const MatchedSweep& sweep, Reconstruction& reconstruction) {
-  reconstruction.motion = motion_of_path(posed_cameras(reconstruction.left_out, reconstruction.bundle));
+  reconstruction.motion =
+      fit_circle(posed_cameras(reconstruction.left_out, reconstruction.bundle)).bends ? Motion::arc : Motion::straight;
   reconstruction.closed = closes(sweep, reconstruction);
 }
 

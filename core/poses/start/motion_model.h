@@ -30,10 +30,7 @@ bool normalise_to_sphere(const std::vector<LeftOut>& left_out, Bundle& bundle);
 // all steps share.
 double motion_roughness(const std::vector<LeftOut>& left_out, const Bundle& bundle);
 
-// Arc or straight, of cameras at more than one place.
-Motion motion_of_path(const std::vector<Pose>& cameras);
-
-// Sets motion, as above, and closed.
+// Arc or straight, and closed.
 void classify_motion(const MatchedSweep& sweep, Reconstruction& reconstruction);
 
 }  // namespace ldp::sfm

@@ -1,7 +1,6 @@
 // ldp build: a capture to an .ldp file.
 
 #include "core/pipeline/build.h"
-#include "core/photos/left_out.h"
 
 #include <unistd.h>
 
@@ -68,17 +67,11 @@ void add_metadata(const CaptureNotes& notes, LayeredPanorama& panorama) {
 
 void print_summary(const BuildCommand& command, const BuildResult& result, size_t bytes, double seconds) {
   const LayeredPanorama& panorama = result.panorama;
-  std::printf("%s: %dx%d, %zu layers, %zu of %zu photos, %zu bytes, %.1f s\n", printable(command.output).c_str(),
-              panorama.grid.width, panorama.grid.height, panorama.layers.size(), panorama.cameras.size(),
-              result.report.poses.frames.size(), bytes, seconds);
-  int needless = 0;
-  for (const FrameReport& frame : result.report.poses.frames) {
-    if (frame.left_out.cause == LeftOutCause::needless)
-      ++needless;
-    else if (!frame.posed)
-      std::printf("%s: left out: %s\n", printable(frame.name).c_str(), words_of(frame.left_out).c_str());
-  }
-  if (needless > 0) std::printf("%d left out: they show next to nothing that the others do not\n", needless);
+  const size_t layers = panorama.layers.size();
+  std::printf("%s: %dx%d, %zu %s, %zu of %zu photos, %zu bytes, %.1f s\n", printable(command.output).c_str(),
+              panorama.grid.width, panorama.grid.height, layers, layers == 1 ? "layer" : "layers",
+              panorama.cameras.size(), result.report.poses.frames.size(), bytes, seconds);
+  print_left_out(result.report.poses);
   for (const std::string& note : with_switches(result.report.notes))
     std::fprintf(stderr, "ldp build: %s\n", printable(note).c_str());
   std::printf("%s\n", text_of(result.report.quality).c_str());

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
+#include "core/base/markup_text.h"
 #include "core/geometry/degrees.h"
 #include "core/panorama/file/ldp_file.h"
 #include "core/photos/left_out.h"
@@ -87,6 +89,17 @@ Json poses_json(const PosesReport& poses) {
                               {"reason", words_of(frame.left_out)}});
   }
   return json;
+}
+
+void print_left_out(const PosesReport& poses) {
+  int needless = 0;
+  for (const FrameReport& frame : poses.frames) {
+    if (frame.left_out.cause == LeftOutCause::needless)
+      ++needless;
+    else if (!frame.posed)
+      std::printf("%s: left out: %s\n", printable(frame.name).c_str(), words_of(frame.left_out).c_str());
+  }
+  if (needless > 0) std::printf("%d left out: they show next to nothing that the others do not\n", needless);
 }
 
 Json residuals_json(const ResidualStatistics& of) {

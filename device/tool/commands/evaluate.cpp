@@ -14,6 +14,7 @@
 #include "core/photos/exposure/photo_exposure.h"
 #include "core/photos/exposure_gain.h"
 #include "core/photos/images.h"
+#include "core/photos/left_out.h"
 #include "core/pipeline/build.h"
 #include "core/verdict/words.h"
 #include "core/view/image_quality.h"
@@ -61,18 +62,27 @@ bool left_out(int index, int every) { return index % every == every / 2; }
 struct Split {
   std::vector<int> kept_frames, test_frames;
   std::vector<Camera> kept, tests;
+  std::vector<FrameReport> without_camera;
 };
 
 // Poses of a held-out photo come from all photos: it is the panorama that must do without it.
 Split split(const PreparedBuild& prepared, int every, const Job& job) {
-  std::vector<Camera> cameras = prepared.options.cameras;
-  if (cameras.empty()) cameras = estimate_poses(prepared.frames, prepared.options.poses, job).cameras;
+  Poses poses;
+  poses.cameras = prepared.options.cameras;
+  const bool given = !poses.cameras.empty();
+  if (!given) poses = estimate_poses(prepared.frames, prepared.options.poses, job);
+  const std::vector<Camera>& cameras = poses.cameras;
   Split result;
   int posed = 0;
   for (int i = 0; i < prepared.frames.size(); ++i) {
     const auto camera = std::find_if(cameras.begin(), cameras.end(),
                                      [&](const Camera& c) { return c.name == prepared.frames.name(i); });
-    if (camera == cameras.end()) continue;
+    if (camera == cameras.end()) {
+      FrameReport report;
+      report.name = prepared.frames.name(i), report.left_out.cause = LeftOutCause::no_camera;
+      result.without_camera.push_back(given ? report : poses.report.frames[static_cast<size_t>(i)]);
+      continue;
+    }
     const bool is_test = left_out(posed++, every);
     (is_test ? result.test_frames : result.kept_frames).push_back(i);
     (is_test ? result.tests : result.kept).push_back(*camera);
@@ -213,24 +223,39 @@ void print_row(const std::string& name, const ViewQuality& q) {
               q.psnr_db, q.psnr_matched_db, q.ssim, 100 * q.holes);
 }
 
-void print(const std::vector<Row>& rows, const BuildReport& report, bool json) {
+// Photos that take no part: neither built from nor compared.
+PosesReport left_out_of(const Split& split, const BuildReport& report) {
+  PosesReport both;
+  both.frames = split.without_camera;
+  for (const FrameReport& frame : report.poses.frames)
+    if (!frame.posed) both.frames.push_back(frame);
+  return both;
+}
+
+void print(const std::vector<Row>& rows, const PosesReport& left_out, const BuildReport& report, bool json) {
   const ViewQuality ours = mean_of(rows, &Row::ours), baseline = mean_of(rows, &Row::baseline);
   if (json) {
     Json all{{"views", Json::array()},
              {"mean", view_quality_json(ours)},
              {"baseline_mean", view_quality_json(baseline)},
              {"expected", quality_json(report.quality)},
-             {"notes", with_switches(report.notes)}};
+             {"notes", with_switches(report.notes)},
+             {"left_out", Json::array()}};
+    for (const FrameReport& frame : left_out.frames)
+      all["left_out"].push_back({{"name", frame.name}, {"reason", words_of(frame.left_out)}});
     for (const Row& row : rows)
       all["views"].push_back(
           {{"name", row.name}, {"view", view_quality_json(row.ours)}, {"baseline", view_quality_json(row.baseline)}});
     std::printf("%s\n", json_text(all, 1).c_str());
     return;
   }
+  const size_t photos = report.gains.size();
+  std::printf("built from %zu photos, compared with %zu that it was built without\n", photos, rows.size());
+  print_left_out(left_out);
   for (const Row& row : rows) print_row(row.name, row.ours);
   print_row("mean", ours);
   print_row("nearest photo, one depth", baseline);
-  std::printf("%-24s PSNR %5.2f dB  %s\n", "expected without them", report.quality.expected_view_psnr_db,
+  std::printf("%-24s PSNR %5.2f dB  %s\n", "as the build expected", report.quality.expected_view_psnr_db,
               text_of(report.quality).c_str());
   for (const std::string& note : with_switches(report.notes)) std::printf("%s\n", printable(note).c_str());
 }
@@ -260,7 +285,7 @@ int run(const EvaluateCommand& command, const Session& session) {
     judge_all();
   }
   bar.reset();
-  print(rows, result.report, session.json);
+  print(rows, left_out_of(parts, result.report), result.report, session.json);
   return kDone;
 }
 

@@ -1,7 +1,6 @@
 // ldp poses: the cameras of a capture, as transforms.json and as a COLMAP model.
 
 #include "core/poses/poses.h"
-#include "core/photos/left_out.h"
 
 #include <algorithm>
 #include <array>
@@ -81,15 +80,16 @@ void print_files(const PosesCommand& command) {
 }
 
 void print_table(const PosesReport& report) {
+  int posed = 0;
   for (const FrameReport& frame : report.frames) {
-    if (frame.posed) {
-      std::printf("%s: %d features, %d matches, %d inliers, %.2f px\n", printable(frame.name).c_str(), frame.features,
-                  frame.matches, frame.inliers, frame.reprojection_px);
-    } else {
-      std::printf("%s: left out: %s\n", printable(frame.name).c_str(), words_of(frame.left_out).c_str());
-    }
+    if (!frame.posed) continue;
+    ++posed;
+    std::printf("%s: %d features, %d matches, %d inliers, %.2f px\n", printable(frame.name).c_str(), frame.features,
+                frame.matches, frame.inliers, frame.reprojection_px);
   }
-  std::printf("%d points, %.2f px\n", report.points, report.reprojection_px);
+  print_left_out(report);
+  std::printf("%d of %zu photos, %d points, %.2f px\n", posed, report.frames.size(), report.points,
+              report.reprojection_px);
   if (report.motion == Motion::rotation) std::printf("no parallax was found: the camera only turned\n");
   if (!report.doubt.empty())
     std::fprintf(stderr, "ldp poses: these poses may be wrong: %s\n", printable(with_switches(report.doubt)).c_str());

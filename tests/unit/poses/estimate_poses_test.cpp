@@ -598,24 +598,6 @@ TEST(Triangulate, FindsPointsAndLeavesGivenCamerasAlone) {
   EXPECT_GT(poses.points.size(), 100U);
   EXPECT_LT(poses.report.reprojection_px, 0.7);
   for (size_t i = 0; i < 8; ++i) EXPECT_EQ(poses.cameras[i].pose.centre, r.cameras[i].pose.centre);
-  EXPECT_EQ(poses.report.motion, Motion::arc);
-}
-
-TEST(Triangulate, TellsCamerasThatMoveAlongALine) {
-  const Scene scene(make_scene("courtyard", 1));
-  std::vector<Camera> cameras = sweep_cameras(short_path(0.65));
-  const Camera first = cameras.front();
-  for (size_t i = 0; i < cameras.size(); ++i) {
-    cameras[i].name = std::to_string(1000 + i) + ".png";
-    cameras[i].pose = first.pose;
-    cameras[i].pose.centre += 0.1 * static_cast<double>(i) * first.pose.world_from_camera.col(0);
-  }
-  EXPECT_EQ(triangulate(photos_of(scene, cameras), cameras, PosesOptions{}, Job{}).report.motion, Motion::straight);
-}
-
-TEST(Triangulate, TellsCamerasThatOnlyTurn) {
-  const Rendered& r = rendered(0);
-  EXPECT_EQ(triangulate(Photos(r.images), r.cameras, PosesOptions{}, Job{}).report.motion, Motion::rotation);
 }
 
 TEST(Triangulate, NamesFramesWithoutACamera) {
