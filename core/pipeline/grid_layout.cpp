@@ -25,6 +25,11 @@ std::string in_short(double value) {
   return digits;
 }
 
+// Who turns the camera up or down, or on the spot, moves it along lines of sight, too.
+bool walked(const Poses& poses, const ArcFit& fit) {
+  return fit.forward && has_parallax(poses) && sideways(poses.cameras).empty();
+}
+
 }  // namespace
 
 GridFit fit_of(const GridNeeds& needs, size_t memory_bytes) {
@@ -49,9 +54,10 @@ GridLayout::GridLayout(const Poses& poses, const ArcFit& fit, const BuildOptions
   wanted_.rays = options.rays;
   wanted_.near_depth = options.near_depth;
   wanted_.far_depth = options.far_depth;
-  const double usual_px = fit.forward ? kWalkPitch : 1;
+  const bool is_walk = walked(poses, fit);
+  const double usual_px = is_walk ? kWalkPitch : 1;
   wanted_.pitch_px = usual_px * options_of(options.effort).pitch_px;
-  if (fit.forward) {
+  if (is_walk) {
     notes_.push_back(
         "the camera moved along its line of sight: the panorama is laid round one point, and a row of it spans " +
         in_short(wanted_.pitch_px) + " of the photos': for a view that one can look around in, turn along an arc");

@@ -112,6 +112,18 @@ TEST(GridLayout, IsCoarserWhereTheCameraWalkedForwardAndSaysSo) {
   EXPECT_THAT(laid.notes[0], AllOf(HasSubstr("moved along its line of sight"), HasSubstr("spans 2.5 of the photos'")));
 }
 
+TEST(GridLayout, IsAsFineAsEverWhereTheCameraTurnedOnTheSpotOrUpwards) {
+  Laid on_the_spot, upwards;
+  on_the_spot.fit.forward = upwards.fit.forward = true;
+  on_the_spot.poses.report.motion = Motion::rotation;
+  for (Camera& camera : upwards.poses.cameras)
+    camera.pose.world_from_camera *= (Eigen::Matrix3d() << 0, -1, 0, 1, 0, 0, 0, 0, 1).finished();
+  for (Laid* laid : {&on_the_spot, &upwards}) {
+    EXPECT_EQ(laid->layout().pitch_px(), 1);
+    EXPECT_THAT(laid->notes, IsEmpty());
+  }
+}
+
 TEST(GridLayout, IsCoarserByAsLittleAsMemoryAsksForAndSaysSo) {
   Laid all;
   const GridLayout finest = all.layout();
