@@ -202,7 +202,13 @@ class Judge {
   }
 
   void find_by_poses(const MotionMeasures& motion) {
-    if (evidence_.doubt == DoubtfulPoses::contradicted) add_fair(QualityReason::poses_doubtful);
+    if (evidence_.doubt == DoubtfulPoses::contradicted) {
+      const bool is_torn = grade_of(unexplained(everything()), options_.unexplained) != Grade::good;
+      if (is_torn)
+        add_again(QualityReason::poses_doubtful);
+      else
+        add_fair(QualityReason::poses_doubtful);
+    }
     if (evidence_.doubt == DoubtfulPoses::loose) add_fair(QualityReason::little_overlap);
     if (evidence_.doubt == DoubtfulPoses::lens) add_fair(QualityReason::lens_doubtful);
     if (evidence_.motion == SweepMotion::arc) add(QualityReason::poses_doubtful, motion.mismatch, options_.mismatch);
@@ -214,6 +220,7 @@ class Judge {
   }
 
   void add_fair(QualityReason reason) { add(reason, 1, {0, 2}); }
+  void add_again(QualityReason reason) { add(reason, 2, {0, 1}); }
 
   // Noise that a well exposed photograph would show. One camera's is about the same all along the sweep, and texture
   // adds to what is measured: the quarter of the photographs that show least tell it.

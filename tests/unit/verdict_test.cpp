@@ -308,6 +308,21 @@ TEST(Judge, EveryFaultHasItsReason) {
             Reasons{QualityReason::holes});
 }
 
+TEST(Judge, DoubtfulPosesWhosePhotosContradictThePanoramaAskForAnotherSweep) {
+  SweepEvidence evidence = clean_sweep();
+  const auto contradict = [&] {
+    for (PhotoEvidence& photo : evidence.photos)
+      for (DirectionEvidence& part : photo.directions) part.unexplained = part.compared / 10;
+  };
+  evidence.doubt = DoubtfulPoses::contradicted;
+  EXPECT_EQ(judge(evidence).grade, Grade::fair);
+  contradict();
+  EXPECT_EQ(judge(evidence).grade, Grade::sweep_again);
+  EXPECT_EQ(judge(evidence).reasons.front().reason, QualityReason::poses_doubtful);
+  evidence.doubt = DoubtfulPoses::no;
+  EXPECT_EQ(judge(evidence).grade, Grade::fair);
+}
+
 TEST(Judge, FineLinesAlongOneAxisAreNoBlurAlongTheOther) {
   SweepEvidence evidence = clean_sweep();
   for (PhotoEvidence& photo : evidence.photos) photo.measures.blur_x = 0.3, photo.measures.blur_y = 0.15;
