@@ -1,16 +1,24 @@
 #include "core/geometry/geometry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace ldp {
+
+Eigen::Vector2d distort_beyond_end(const Intrinsics& k, const Eigen::Vector2d& n) {
+  const double root = std::sqrt(std::max(0.0, 9 * k.k1 * k.k1 - 20 * k.k2));
+  const double end_r2 = 2 / (root - 3 * k.k1);  // the lesser root of the slope
+  const Eigen::Vector2d end = n * std::sqrt(end_r2 / n.squaredNorm());
+  return distort_by_polynomial(k, end) + (n - end);
+}
 
 Eigen::Vector3d unproject(const Intrinsics& intrinsics, const Eigen::Vector2d& position_px) {
   const Eigen::Vector2d distorted((position_px.x() - intrinsics.cx) / intrinsics.fx,
                                   (position_px.y() - intrinsics.cy) / intrinsics.fy);
   Eigen::Vector2d n = distorted;
   for (int i = 0; i < 50; ++i) {
-    const Eigen::Vector2d residual = distort(intrinsics, n) - distorted;
+    const Eigen::Vector2d residual = distort_by_polynomial(intrinsics, n) - distorted;
     n -= residual;
     if (residual.squaredNorm() < 1e-20) break;
   }

@@ -40,14 +40,30 @@ struct Camera {
   Pose pose;
 };
 
-// Of a position at z = 1.
-inline Eigen::Vector2d distort(const Intrinsics& k, const Eigen::Vector2d& n) {
-  if (k.k1 == 0 && k.k2 == 0 && k.p1 == 0 && k.p2 == 0) return n;
+// The lens model's polynomial, of a position at z = 1.
+inline Eigen::Vector2d distort_by_polynomial(const Intrinsics& k, const Eigen::Vector2d& n) {
   const double r2 = n.squaredNorm();
   const double radial = 1 + r2 * (k.k1 + r2 * k.k2);
   const double xy = n.x() * n.y();
   return {n.x() * radial + 2 * k.p1 * xy + k.p2 * (r2 + 2 * n.x() * n.x()),
           n.y() * radial + k.p1 * (r2 + 2 * n.y() * n.y()) + 2 * k.p2 * xy};
+}
+
+// Whether it leads ever farther out from the middle to that squared radius. Where that ends it turns back: what lies
+// far outside the picture would fall into it.
+inline bool leads_outward(const Intrinsics& k, double r2) {
+  const double slope = 1 + r2 * (3 * k.k1 + 5 * r2 * k.k2);
+  const bool one_end = k.k1 >= 0 || k.k2 <= 0 || 9 * k.k1 * k.k1 < 20 * k.k2;  // or none
+  return slope > 0 && (one_end || 10 * k.k2 * r2 < -3 * k.k1);
+}
+
+// Of a position beyond that end: where the end lies, and on by as far as the position is beyond it.
+Eigen::Vector2d distort_beyond_end(const Intrinsics& k, const Eigen::Vector2d& n);
+
+// Of a position at z = 1.
+inline Eigen::Vector2d distort(const Intrinsics& k, const Eigen::Vector2d& n) {
+  if (k.k1 == 0 && k.k2 == 0 && k.p1 == 0 && k.p2 == 0) return n;
+  return leads_outward(k, n.squaredNorm()) ? distort_by_polynomial(k, n) : distort_beyond_end(k, n);
 }
 
 // Position in the image of a point given in camera axes (z > 0 required), distortion included.

@@ -46,6 +46,29 @@ TEST(Geometry, UnprojectInvertsProject) {
   }
 }
 
+// The polynomial of a real lens turns back somewhere outside the picture.
+TEST(Geometry, WhatLiesFartherOutIsProjectedFartherOut) {
+  for (const auto& [k1, k2] : {std::pair{-0.25, 0.0}, {0.21, -0.30}, {-0.6, 0.15}, {-0.1, -0.1}, {-0.3, 0.2}}) {
+    const Intrinsics k{800, 600, 700, 700, 400, 300, k1, k2};
+    bool turns_back = false;
+    Eigen::Vector2d before(0, 0), bent_before(0, 0);
+    for (int step = 1; step < 1000; ++step) {
+      const Eigen::Vector2d n(0.006 * step, 0.008 * step), bent = distort(k, n);
+      EXPECT_GT(bent.norm(), bent_before.norm()) << k1 << ' ' << k2 << ", at " << n.norm();
+      EXPECT_NEAR(bent.x() * n.y(), bent.y() * n.x(), 1e-9 * n.squaredNorm());
+      const Eigen::Vector2d polynomial = distort_by_polynomial(k, n);
+      turns_back |= polynomial.norm() <= distort_by_polynomial(k, before).norm();
+      if (leads_outward(k, n.squaredNorm())) {
+        EXPECT_EQ(bent, polynomial);
+      } else {
+        EXPECT_LT((bent - bent_before).norm(), 1.01 * (n - before).norm()) << "without a jump, at " << n.norm();
+      }
+      before = n, bent_before = bent;
+    }
+    EXPECT_EQ(turns_back, k2 < 0.2) << k1 << ' ' << k2;
+  }
+}
+
 TEST(Geometry, LocateInvertsPointForBothKindsOfRays) {
   PanoramaGrid grid = some_grid();
   for (const Rays rays : {Rays::pushbroom, Rays::central}) {
