@@ -212,15 +212,21 @@ struct Judged {
   Coverage covered;
   double agreed = 1;
 
+  bool loses_photos() const {
+    return std::any_of(found.left_out.begin(), found.left_out.end(), [](const LeftOut& why) { return bool(why); });
+  }
   bool may_be_wrong() const { return doubted.kind != PoseDoubt::none || covered.share() < kMinCoveredShare; }
 };
 
 // Another reconstruction takes the first one's place if its points are spread over so many times as much of the photos.
-void keep_what_covers_more(double gain, const std::function<Judged()>& reconstruct_otherwise, Judged& first) {
+bool is_covered_better(double gain, const std::function<Judged()>& reconstruct_otherwise, Judged& first) {
   try {
     Judged second = reconstruct_otherwise();
-    if (second.covered.explained > gain * first.covered.explained) first = std::move(second);
+    if (second.covered.explained <= gain * first.covered.explained) return false;
+    first = std::move(second);
+    return true;
   } catch (const Impossible&) {  // the first one was possible, and stays
+    return false;
   }
 }
 
@@ -246,45 +252,106 @@ FocalPrior wide_lens(const MatchedSweep& sweep) {
 
 bool is_of_another_lens(double told_focal) { return std::abs(told_focal - 1) > kMaxToldFocalError; }
 
+// A sweep's reconstructions, one after the other, by what is held to be known of its lens and how its tracks are
+// chosen.
+class Reconstructions {
+ public:
+  Reconstructions(SelectedSweep& selected, std::vector<std::string> names, const std::optional<FocalPrior>& told,
+                  const Job& job)
+      : sweep_(selected.sweep),
+        verified_(selected.sweep.pairs),
+        names_(std::move(names)),
+        told_(told),
+        first_job_(job),
+        again_(job) {
+    again_.progress = {};  // it has been told so far already
+  }
+
+  // The best of them.
+  Judged best() {
+    Judged judged = told_ ? as_told(first_job_) : freely(first_job_);
+    if (lens_) without_what_was_told(judged);
+    // What is tracked the longest decides where cameras start, and what keeps pace with them is tracked the longest. So
+    // where they may be wrong, tracks spread over the photos are tried.
+    if (judged.may_be_wrong()) {
+      sweep_.track_grid = kSpreadTrackGrid;
+      is_covered_better(
+          kMinCoverageGain, [&] { return with_lens(again_); }, judged);
+    }
+    return judged;
+  }
+
+  // How many times the focal length found was told; 1 where it was kept to.
+  double told_focal(const Judged& best) const {
+    const double ratio = ratio_told(best);
+    return lens_ && is_of_another_lens(ratio) ? 1 : ratio;
+  }
+
+ private:
+  double ratio_told(const Judged& judged) const {
+    return told_ ? told_->focal_px / judged.found.bundle.lens.focal_px : 1;
+  }
+
+  Judged with_lens(const Job& job) {
+    sweep_.pairs = verified_;
+    Judged judged{reconstruct(sweep_, lens_, job), {}, {}};
+    judged.doubted = doubt(sweep_, judged.found, names_, lens_ && !lens_->is_guess);
+    judged.covered = coverage(sweep_, judged.found);
+    judged.agreed = agreement(sweep_, judged.found);
+    return judged;
+  }
+
+  // Where nothing comes of what was told of the lens, that may be why.
+  Judged as_told(const Job& job) {
+    lens_ = told_;
+    try {
+      return with_lens(job);
+    } catch (const Impossible&) {
+      try {
+        return freely(again_);
+      } catch (const Impossible&) {
+      }
+      throw;
+    }
+  }
+
+  // Whatever was told of the lens.
+  Judged freely(const Job& job) {
+    lens_.reset();
+    Judged judged = with_lens(job);
+    if (view_of_longer_side(sweep_, judged.found.bundle.lens.focal_px) > kNarrowView_rad) return judged;
+    lens_ = wide_lens(sweep_);
+    is_covered_better(
+        kMinLensGain, [&] { return with_lens(again_); }, judged);
+    lens_.reset();
+    return judged;
+  }
+
+  // Where another lens was found, or one as told at a price.
+  void without_what_was_told(Judged& first) {
+    const auto anew = [&] { return freely(again_); };
+    const bool is_left = is_of_another_lens(ratio_told(first))          ? is_found_without(anew, first)
+                         : first.may_be_wrong() || first.loses_photos() ? is_covered_better(kMinLensGain, anew, first)
+                                                                        : false;
+    if (!is_left) lens_ = told_;
+  }
+
+  MatchedSweep& sweep_;
+  const std::vector<PairMatches> verified_;
+  const std::vector<std::string> names_;
+  const std::optional<FocalPrior> told_;
+  const Job& first_job_;
+  Job again_;
+  std::optional<FocalPrior> lens_;  // that is held to
+};
+
 Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pairs, const std::vector<LeftOut>& unfit,
             const PosesOptions& options, const Job& job) {
   SelectedSweep selected = select_sweep(frames, pairs, unfit);
-  std::optional<FocalPrior> focal = focal_prior(frames, options);
   std::vector<std::string> names;
   for (const int i : selected.frame) names.push_back(frames[static_cast<size_t>(i)].name);
-  const std::vector<PairMatches> verified = selected.sweep.pairs;
-  Job again = job;
-  again.progress = {};  // it has been told so far already
-  const auto reconstruct_sweep = [&](const Job& of_this) {
-    selected.sweep.pairs = verified;
-    Judged judged{reconstruct(selected.sweep, focal, of_this), {}, {}};
-    judged.doubted = doubt(selected.sweep, judged.found, names, focal && !focal->is_guess);
-    judged.covered = coverage(selected.sweep, judged.found);
-    judged.agreed = agreement(selected.sweep, judged.found);
-    return judged;
-  };
-  const auto reconstruct_freely = [&](const Job& of_this) {  // whatever was told of the lens
-    focal.reset();
-    Judged judged = reconstruct_sweep(of_this);
-    if (view_of_longer_side(selected.sweep, judged.found.bundle.lens.focal_px) > kNarrowView_rad) return judged;
-    focal = wide_lens(selected.sweep);
-    const auto reconstruct_wide = [&] { return reconstruct_sweep(again); };
-    keep_what_covers_more(kMinLensGain, reconstruct_wide, judged);
-    focal.reset();
-    return judged;
-  };
-  Judged judged = focal ? reconstruct_sweep(job) : reconstruct_freely(job);
-  double told_focal = focal ? focal->focal_px / judged.found.bundle.lens.focal_px : 1;
-  if (const std::optional<FocalPrior> told = focal; is_of_another_lens(told_focal)) {
-    if (!is_found_without([&] { return reconstruct_freely(again); }, judged)) focal = told, told_focal = 1;
-  }
-  // What is tracked the longest decides where cameras start, and what keeps pace with them is tracked the longest. So
-  // where they may be wrong, tracks spread over the photos are tried.
-  if (judged.may_be_wrong()) {
-    selected.sweep.track_grid = kSpreadTrackGrid;
-    const auto reconstruct_spread = [&] { return reconstruct_sweep(again); };
-    keep_what_covers_more(kMinCoverageGain, reconstruct_spread, judged);
-  }
+  Reconstructions reconstructions(selected, std::move(names), focal_prior(frames, options), job);
+  const Judged judged = reconstructions.best();
   const Reconstruction& found = judged.found;
   Poses poses = to_world(found, selected, frames, options.arm_length);
   poses.report.motion = found.motion;
@@ -296,7 +363,7 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
     report.posed = !found.left_out[i];
     report.left_out = found.left_out[i];
   }
-  poses.report.told_focal = told_focal;
+  poses.report.told_focal = reconstructions.told_focal(judged);
   poses.report.told_by_exif = !options.fov_rad;
   report_errors(found.bundle, selected.frame, poses.report);
   poses.report.doubt_kind = judged.doubted.kind;

@@ -375,6 +375,24 @@ TEST(EstimatePoses, TellsOfAFieldOfViewThatIsOfAnotherLens) {
   EXPECT_THAT(wrong_lens(wrong), HasSubstr("degrees, which was taken instead of the one given"));
 }
 
+// As where a program made photos smaller and left EXIF as it was. With so long a lens nothing fits at all, or photos
+// are lost.
+TEST(EstimatePoses, WhatIsToldOfTheLensIsLeftOutWhereNothingOrLittleComesOfIt) {
+  for (const char* const scene : {"terrace", "courtyard"}) {
+    SweepPath path;
+    path.frames = 9, path.width = 320, path.height = 240;
+    path.arc_rad = 198 * kDegree, path.fov_rad = 75 * kDegree;
+    path.seed = 5;
+    const std::vector<Camera> truth = sweep_cameras(path);
+    PosesOptions told;
+    told.fov_rad = 10 * kDegree;
+    const Poses poses = estimate_poses(photos_of(Scene(make_scene(scene, 5)), truth), told, Job{});
+    ASSERT_EQ(poses.cameras.size(), truth.size()) << scene;
+    EXPECT_NEAR(poses.cameras[0].intrinsics.fx / truth[0].intrinsics.fx, 1, 0.01) << scene;
+    EXPECT_THAT(wrong_lens(poses), HasSubstr("which was taken instead of the one given")) << scene;
+  }
+}
+
 TEST(EstimatePoses, RecognisesARotationOnTheSpot) {
   const Poses poses = estimate_poses(Photos(rendered(0).images), PosesOptions{}, Job{});
   EXPECT_EQ(poses.report.motion, Motion::rotation);
