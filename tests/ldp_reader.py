@@ -403,7 +403,7 @@ def evened(colour, exposure, head):
 
 
 REASONS = ("blurred dark little_overlap no_parallax moved_forward moved_straight poses_doubtful photos_left_out "
-           "exposure_jumps contradicted holes lens_doubtful").split()
+           "exposure_jumps contradicted holes lens_doubtful looked_inward").split()
 
 
 def read_quality(data):

@@ -57,6 +57,7 @@ struct SweepEvidence {
   int photos_taken = 0;               // posed or not, but for those that show what others show
   double field_deg = 0;               // horizontal field of view
   double reprojection = 0;            // root mean square, in longer sides of the photograph
+  double inward = 0;                  // 0 .. 1: how much cameras that turn move against where they look
   double agreement = 1;               // share of the matches of neighbouring photographs that fit the poses
   double first_deg = 0;               // where the first direction begins
   std::vector<PhotoEvidence> photos;  // posed ones

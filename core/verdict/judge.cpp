@@ -197,7 +197,7 @@ class Judge {
     if (grade_of(motion.outward, options_.outward) != Grade::good)
       add(QualityReason::moved_forward, motion.outward, options_.outward);
     else if (evidence_.motion == SweepMotion::straight)
-      add_fair(QualityReason::moved_straight);
+      add_fair(evidence_.inward > options_.inward ? QualityReason::looked_inward : QualityReason::moved_straight);
     find_by_poses(motion);
   }
 

@@ -28,6 +28,7 @@ struct JudgeOptions {
   Bounds reprojection{0.0013, 0.004};  // root mean square, in longer sides
   Bounds holes{0.05, 0.2};             // share of the photographs' pixels
   Bounds expected_db{17, 15.5};        // of new views: below
+  double inward = 0.8;                 // correlation, from which a camera went around what it looked at
   double least_parallax = 0.002;       // tangent of an angle, below which a camera only turned
 };
 

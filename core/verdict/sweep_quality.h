@@ -26,9 +26,10 @@ enum class QualityReason : uint8_t {
   exposure_jumps,   // from photograph to photograph
   contradicted,     // photographs show other things than the panorama: they moved, or were not understood
   holes,            // places that no photograph shows
-  lens_doubtful     // photographs do not fit the lens told or found
+  lens_doubtful,    // photographs do not fit the lens told or found
+  looked_inward     // the camera went around a thing that it looked at
 };
-constexpr int kQualityReasons = 12;
+constexpr int kQualityReasons = 13;
 
 constexpr double kTurn_deg = 360;
 

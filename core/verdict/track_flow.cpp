@@ -12,7 +12,9 @@ namespace {
 
 constexpr size_t kFewest = 8;        // points from which their flow is told
 constexpr size_t kFarthestPart = 4;  // of the points, 1 .. kFewest: the part whose shift is taken for the turn's
-constexpr int kReach = 3;            // photographs before, for parallax: what is far moves little from one to the next
+constexpr double kLeastTurn =
+    0.03;                  // of lines of sight, their deviation from the mean one: six degrees from end to end
+constexpr int kReach = 3;  // photographs before, for parallax: what is far moves little from one to the next
 
 struct Matched {
   std::vector<Eigen::Vector2d> before, after;  // pixels
@@ -127,10 +129,26 @@ void measure_step(const Pose& before, const Pose& after, PhotoEvidence& photo) {
   photo.forward = length(middle) > 0 ? exact_dot(way, middle) / length(middle) : 0;
 }
 
+// On an arc a camera moves where it turns to; around a thing that it looks at, the other way. The correlation.
+double inward(const std::vector<Camera>& cameras) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero(), mean_sight = middle;
+  const auto count = static_cast<double>(cameras.size());
+  for (const Camera& camera : cameras)
+    middle += camera.pose.centre / count, mean_sight += camera.pose.world_from_camera.col(2) / count;
+  double both = 0, spread = 0, turned = 0;
+  for (const Camera& camera : cameras) {
+    const Eigen::Vector3d way = camera.pose.centre - middle, turn = camera.pose.world_from_camera.col(2) - mean_sight;
+    both += exact_dot(way, turn), spread += exact_dot(way, way), turned += exact_dot(turn, turn);
+  }
+  if (turned < count * kLeastTurn * kLeastTurn || spread == 0) return 0;
+  return std::max(0.0, -both / std::sqrt(spread * turned));
+}
+
 }  // namespace
 
 void measure_flow(const std::vector<ScenePoint>& points, const std::vector<std::vector<Eigen::Vector2d>>& sightings,
                   const std::vector<Camera>& cameras, SweepEvidence& evidence) {
+  evidence.inward = inward(cameras);
   const Pairs neighbours = pairs_of(points, sightings, cameras, 1);
   for (size_t i = 1; i < cameras.size(); ++i) {
     PhotoEvidence& photo = evidence.photos[i];

@@ -10,7 +10,7 @@
 namespace ldp {
 
 // Sightings of each point in its cameras [pixels], as structure from motion gives them. Sets the flow and
-// the step of each of `evidence.photos`, which stand for the cameras.
+// the step of each of `evidence.photos`, which stand for the cameras, and `evidence.inward`.
 void measure_flow(const std::vector<ScenePoint>& points, const std::vector<std::vector<Eigen::Vector2d>>& sightings,
                   const std::vector<Camera>& cameras, SweepEvidence& evidence);
 

@@ -31,6 +31,7 @@ constexpr std::array<Words, kQualityReasons> kWords = {{
     {"contradicted", "the photos%s contradict each other", "wait until nothing moves, and keep away from what is near"},
     {"holes", "views%s have holes", "sweep all of it"},
     {"lens_doubtful", "the photos do not fit the lens", "give its true field of view, or none"},
+    {"looked_inward", "the camera went around a thing and looked at it", "stay on the spot, turn, and look outward"},
 }};
 
 const Words& words_of(QualityReason reason) { return kWords[static_cast<size_t>(reason)]; }

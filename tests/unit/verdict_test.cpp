@@ -287,6 +287,8 @@ TEST(Judge, EveryFaultHasItsReason) {
             }),
             Reasons{QualityReason::moved_forward});
   EXPECT_EQ(of([](SweepEvidence& e) { e.motion = SweepMotion::straight; }), Reasons{QualityReason::moved_straight});
+  EXPECT_EQ(of([](SweepEvidence& e) { e.motion = SweepMotion::straight, e.inward = 0.9; }),
+            Reasons{QualityReason::looked_inward});
   EXPECT_EQ(of([](SweepEvidence& e) { e.reprojection = 0.002; }), Reasons{QualityReason::lens_doubtful});
   EXPECT_EQ(of([](SweepEvidence& e) { e.agreement = 0.95; }), Reasons{QualityReason::contradicted});
   EXPECT_EQ(of([](SweepEvidence& e) { e.agreement = 0.966; }), Reasons{});
@@ -640,6 +642,25 @@ TEST(TrackFlow, StepsAreThoseOfThePoses) {
   evidence.photos.resize(2);
   measure_flow({}, {}, turned, evidence);
   EXPECT_NEAR(evidence.photos[1].turn_deg, 0.5 * 180 / M_PI, 0.01);
+}
+
+TEST(TrackFlow, WhoGoesAroundAThingLooksInward) {
+  std::vector<Camera> cameras;
+  SweepEvidence evidence;
+  const auto measured = [&](double from_middle, double step_rad) {
+    cameras.clear();
+    for (int i = 0; i < 5; ++i) {
+      cameras.push_back(outward_camera(step_rad * i));
+      cameras.back().pose.centre = from_middle * cameras.back().pose.world_from_camera.col(2);
+    }
+    evidence.photos.resize(cameras.size());
+    measure_flow({}, {}, cameras, evidence);
+    return evidence.inward;
+  };
+  EXPECT_NEAR(measured(-2, 0.2), 1, 1e-9);
+  EXPECT_EQ(measured(0.5, 0.2), 0);
+  EXPECT_EQ(measured(-2, 0.01), 0) << "a path that hardly turns is a line";
+  EXPECT_EQ(measured(0, 0.2), 0);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ const REASONS = [
   ['contradicted', 'the photos%s contradict each other', 'wait until nothing moves, and keep away from what is near'],
   ['holes', 'views%s have holes', 'sweep all of it'],
   ['lens_doubtful', 'the photos do not fit the lens', 'give its true field of view, or none'],
+  ['looked_inward', 'the camera went around a thing and looked at it', 'stay on the spot, turn, and look outward'],
 ];
 const GRADES = ['good', 'fair', 'sweep_again'];
 const MOST_REASONS = 100;
