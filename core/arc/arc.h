@@ -25,6 +25,10 @@ ArcFit fit_arc(const std::vector<Camera>& cameras);
 // in their pictures; empty where they go to the side, or nothing is clear.
 std::string sideways(const std::vector<Camera>& cameras);
 
+// Whether they turn up or down, not aside. Then their path may seem a line, or one along their lines of sight, seen in
+// the arc's plane, and be none.
+bool nods(const std::vector<Camera>& cameras);
+
 struct GridOptions {
   Rays rays = Rays::pushbroom;
   double pitch_px = 1;  // panorama pitch in photo pixels: d_theta = d_v = pitch_px / focal

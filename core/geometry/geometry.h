@@ -72,7 +72,8 @@ inline Eigen::Vector2d project(const Intrinsics& intrinsics, const Eigen::Vector
   return {intrinsics.fx * d.x() + intrinsics.cx, intrinsics.fy * d.y() + intrinsics.cy};
 }
 
-// Viewing direction in camera axes (z = 1) of an image position; distortion is inverted iteratively to 1e-9.
+// Viewing direction in camera axes (z = 1) of an image position; the distortion's polynomial is inverted
+// iteratively to 1e-9. Of positions that it does not reach, beyond where it ends to lead outward, nothing is known.
 Eigen::Vector3d unproject(const Intrinsics& intrinsics, const Eigen::Vector2d& position_px);
 
 // A point reconstructed by structure from motion and the cameras (indices into the camera list) that see it.

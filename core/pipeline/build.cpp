@@ -83,8 +83,8 @@ class Build {
   void lay_out() {
     report_.arc = fit_arc(poses_.cameras);
     while (leave_out_up_or_down()) report_.arc = fit_arc(poses_.cameras);
-    const bool given = !options_.cameras.empty();  // of which nobody has asked yet
-    if (given && parallax()) poses_.report.motion = report_.arc.straight ? Motion::straight : Motion::arc;
+    const bool given = !options_.cameras.empty();  // triangulate tells only whether they turned on the spot
+    if (given && parallax() && report_.arc.straight && !nods(poses_.cameras)) poses_.report.motion = Motion::straight;
     if (const std::string what = sideways(poses_.cameras); !what.empty()) report_.notes.push_back(what);
     layout_ = std::make_unique<GridLayout>(poses_, report_.arc, options_, report_.notes);
     watch_.lap("arc");

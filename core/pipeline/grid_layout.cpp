@@ -27,7 +27,7 @@ std::string in_short(double value) {
 
 // Who turns the camera up or down, or on the spot, moves it along lines of sight, too.
 bool walked(const Poses& poses, const ArcFit& fit) {
-  return fit.forward && has_parallax(poses) && sideways(poses.cameras).empty();
+  return fit.forward && has_parallax(poses) && !nods(poses.cameras);
 }
 
 }  // namespace

@@ -212,31 +212,24 @@ struct Judged {
   Coverage covered;
   double agreed = 1;
 
-  bool loses_photos() const {
-    return std::any_of(found.left_out.begin(), found.left_out.end(), [](const LeftOut& why) { return bool(why); });
+  ptrdiff_t lost() const {
+    return std::count_if(found.left_out.begin(), found.left_out.end(), [](const LeftOut& why) { return bool(why); });
   }
-  bool may_be_wrong() const { return doubted.kind != PoseDoubt::none || covered.share() < kMinCoveredShare; }
+  bool loses_most() const { return 2 * lost() >= static_cast<ptrdiff_t>(found.left_out.size()); }
+  bool is_doubted() const { return doubted.kind != PoseDoubt::none; }
+  bool may_be_wrong() const { return is_doubted() || covered.share() < kMinCoveredShare; }
+  // Its points are spread over so many times as much of the photos.
+  bool covers_more(double times, const Judged& than) const {
+    return covered.explained > times * than.covered.explained;
+  }
 };
 
-// Another reconstruction takes the first one's place if its points are spread over so many times as much of the photos.
-bool is_covered_better(double gain, const std::function<Judged()>& reconstruct_otherwise, Judged& first) {
+// Another reconstruction takes the first one's place if it is possible and better; whether it did.
+bool replace_by_better(const std::function<Judged()>& reconstruct_otherwise,
+                       const std::function<bool(const Judged&)>& is_better, Judged& first) {
   try {
     Judged second = reconstruct_otherwise();
-    if (second.covered.explained <= gain * first.covered.explained) return false;
-    first = std::move(second);
-    return true;
-  } catch (const Impossible&) {  // the first one was possible, and stays
-    return false;
-  }
-}
-
-// What is told of another lens than was found pulls at the cameras. Without it they are found anew, and stay unless
-// that is impossible, or doubtful where the first ones were not, or their points are spread over less of the photos.
-bool is_found_without(const std::function<Judged()>& reconstruct_freely, Judged& first) {
-  try {
-    Judged second = reconstruct_freely();
-    if (second.doubted.kind != PoseDoubt::none && first.doubted.kind == PoseDoubt::none) return false;
-    if (first.covered.explained > kMinLensGain * second.covered.explained) return false;
+    if (!is_better(second)) return false;
     first = std::move(second);
     return true;
   } catch (const Impossible&) {
@@ -256,32 +249,26 @@ bool is_of_another_lens(double told_focal) { return std::abs(told_focal - 1) > k
 // chosen.
 class Reconstructions {
  public:
-  Reconstructions(SelectedSweep& selected, std::vector<std::string> names, const std::optional<FocalPrior>& told,
+  Reconstructions(MatchedSweep& sweep, std::vector<std::string> names, const std::optional<FocalPrior>& told,
                   const Job& job)
-      : sweep_(selected.sweep),
-        verified_(selected.sweep.pairs),
-        names_(std::move(names)),
-        told_(told),
-        first_job_(job),
-        again_(job) {
+      : sweep_(sweep), verified_(sweep.pairs), names_(std::move(names)), told_(told), again_(job) {
     again_.progress = {};  // it has been told so far already
   }
 
-  // The best of them.
-  Judged best() {
-    Judged judged = told_ ? as_told(first_job_) : freely(first_job_);
-    if (lens_) without_what_was_told(judged);
+  Judged best(const Job& job) {
+    Judged judged = told_ ? as_told(job) : freely(job);
+    if (lens_) try_without_what_was_told(judged);
     // What is tracked the longest decides where cameras start, and what keeps pace with them is tracked the longest. So
     // where they may be wrong, tracks spread over the photos are tried.
     if (judged.may_be_wrong()) {
       sweep_.track_grid = kSpreadTrackGrid;
-      is_covered_better(
-          kMinCoverageGain, [&] { return with_lens(again_); }, judged);
+      const auto covers_more = [&](const Judged& second) { return second.covers_more(kMinCoverageGain, judged); };
+      replace_by_better([&] { return with_lens(again_); }, covers_more, judged);
     }
     return judged;
   }
 
-  // How many times the focal length found was told; 1 where it was kept to.
+  // How many times the focal length found was told; 1 where one of another lens was kept to.
   double told_focal(const Judged& best) const {
     const double ratio = ratio_told(best);
     return lens_ && is_of_another_lens(ratio) ? 1 : ratio;
@@ -301,14 +288,15 @@ class Reconstructions {
     return judged;
   }
 
-  // Where nothing comes of what was told of the lens, that may be why.
+  // Where nothing comes of what was told of the lens, that may be why: then most photos are posed without.
   Judged as_told(const Job& job) {
     lens_ = told_;
     try {
       return with_lens(job);
     } catch (const Impossible&) {
       try {
-        return freely(again_);
+        Judged judged = freely(again_);
+        if (!judged.loses_most()) return judged;
       } catch (const Impossible&) {
       }
       throw;
@@ -321,26 +309,29 @@ class Reconstructions {
     Judged judged = with_lens(job);
     if (view_of_longer_side(sweep_, judged.found.bundle.lens.focal_px) > kNarrowView_rad) return judged;
     lens_ = wide_lens(sweep_);
-    is_covered_better(
-        kMinLensGain, [&] { return with_lens(again_); }, judged);
+    const auto covers_more = [&](const Judged& second) { return second.covers_more(kMinLensGain, judged); };
+    replace_by_better([&] { return with_lens(again_); }, covers_more, judged);
     lens_.reset();
     return judged;
   }
 
-  // Where another lens was found, or one as told at a price.
-  void without_what_was_told(Judged& first) {
-    const auto anew = [&] { return freely(again_); };
-    const bool is_left = is_of_another_lens(ratio_told(first))          ? is_found_without(anew, first)
-                         : first.may_be_wrong() || first.loses_photos() ? is_covered_better(kMinLensGain, anew, first)
-                                                                        : false;
-    if (!is_left) lens_ = told_;
+  // Where another lens was found, what was told pulls at the cameras; where photos are lost or poses doubted, it may be
+  // why. Then they are found anew, and stay unless they are doubtful where the first ones were not, or their points are
+  // spread over less of the photos, or, where the lens is as told, over hardly more.
+  void try_without_what_was_told(Judged& first) {
+    const bool is_another = is_of_another_lens(ratio_told(first));
+    if (!is_another && !first.may_be_wrong() && first.lost() == 0) return;
+    const auto is_better = [&](const Judged& second) {
+      if (second.is_doubted() && !first.is_doubted()) return false;
+      return is_another ? !first.covers_more(kMinLensGain, second) : second.covers_more(kMinLensGain, first);
+    };
+    if (!replace_by_better([&] { return freely(again_); }, is_better, first)) lens_ = told_;
   }
 
   MatchedSweep& sweep_;
   const std::vector<PairMatches> verified_;
   const std::vector<std::string> names_;
   const std::optional<FocalPrior> told_;
-  const Job& first_job_;
   Job again_;
   std::optional<FocalPrior> lens_;  // that is held to
 };
@@ -350,8 +341,8 @@ Poses solve(const std::vector<Frame>& frames, const std::vector<PairMatches>& pa
   SelectedSweep selected = select_sweep(frames, pairs, unfit);
   std::vector<std::string> names;
   for (const int i : selected.frame) names.push_back(frames[static_cast<size_t>(i)].name);
-  Reconstructions reconstructions(selected, std::move(names), focal_prior(frames, options), job);
-  const Judged judged = reconstructions.best();
+  Reconstructions reconstructions(selected.sweep, std::move(names), focal_prior(frames, options), job);
+  const Judged judged = reconstructions.best(job);
   const Reconstruction& found = judged.found;
   Poses poses = to_world(found, selected, frames, options.arm_length);
   poses.report.motion = found.motion;

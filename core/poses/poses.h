@@ -55,8 +55,8 @@ struct PosesReport {
       1;  // share of the verified matches of neighbouring photos that fit the poses; 1 if cameras are told
   PoseDoubt doubt_kind = PoseDoubt::none;
   std::string doubt;      // the same in words, naming photos; empty when nothing says so
-  double told_focal = 1;  // focal length that options or EXIF tell, of that found with it; 1 where they tell none, and
-                          // where one of another lens was kept, since nothing better was found without it
+  double told_focal = 1;  // focal length that options or EXIF tell, of that found; 1 where they tell none, and where
+                          // one of another lens was kept to, since nothing better was found without it
   bool told_by_exif = false;
 };
 

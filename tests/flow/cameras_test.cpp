@@ -63,6 +63,8 @@ TEST_F(GivenCameras, PhotosOnTheirSideAreToldOfAndTurned) {
   EXPECT_THAT(lying.err, HasSubstr("ldp poses: " + told));
   const Outcome turned = ldp({"poses", side, "--turn", "90", "--cameras", cameras});
   EXPECT_EQ(turned.status, 0);
+  const std::string all = std::to_string(std::distance(fs::directory_iterator(side), {}));
+  EXPECT_THAT(turned.out, HasSubstr("\n" + all + " of " + all + " photos, "));
   EXPECT_EQ(turned.err, "");
   EXPECT_THAT(ldp({"poses", side, "--turn", "270", "--cameras", cameras}).err,
               HasSubstr("agrees with the cameras given"));

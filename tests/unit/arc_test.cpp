@@ -177,6 +177,21 @@ TEST(Sideways, IsToldOfSweepsThatGoUpOrDownInThePhotosAlone) {
   EXPECT_EQ(sideways(on_their_side(ahead)), "");
 }
 
+// Who walks with the camera held down, or downstairs, moves down in the photos without turning so.
+TEST(Sideways, OnlyWhoTurnsUpOrDownNods) {
+  Hand on_the_spot;
+  on_the_spot.radius = 0;
+  std::vector<Camera> downstairs = sweep({});
+  for (size_t i = 0; i < downstairs.size(); ++i)
+    downstairs[i] = outward_camera(static_cast<double>(i) * Eigen::Vector3d(0.1, 0, -0.08), 0, 0);
+  for (const auto& cameras : {sweep({}), sweep(on_the_spot)}) {
+    EXPECT_FALSE(nods(cameras));
+    EXPECT_TRUE(nods(on_their_side(cameras)));
+  }
+  EXPECT_FALSE(nods(downstairs));
+  EXPECT_NE(sideways(downstairs), "");
+}
+
 TEST(FitArc, RefusesTwoCamerasAndPosesThatAreNoNumbers) {
   std::vector<Camera> cameras = sweep({});
   EXPECT_THROW(fit_arc({cameras[0], cameras[1]}), Impossible);

@@ -2,7 +2,7 @@
 //
 // While a ScratchSpace exists, large arrays (large_arrays.h: the samples of planes) are mapped from files without names
 // in its folder. Whenever the process holds more than its budget, all of them are let go from resident memory (at most
-// every 4 ms where that leaves most of the budget taken); what is touched again comes back from the page cache, or from
+// every 4 ms where most of the budget is no array); what is touched again comes back from the page cache, or from
 // disk where the kernel needed the room. Values are the same with and without. Where the disk is nearly full, or cannot
 // promise room, arrays live in memory as ever.
 #pragma once

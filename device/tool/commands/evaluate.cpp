@@ -57,13 +57,20 @@ class SomeFrames : public FrameSource {
 };
 
 // From the middle of the first `every` on, so that neither end of the sweep is left out.
-bool left_out(int index, int every) { return index % every == every / 2; }
+bool is_tested(int index, int every) { return index % every == every / 2; }
 
 struct Split {
   std::vector<int> kept_frames, test_frames;
   std::vector<Camera> kept, tests;
   std::vector<FrameReport> without_camera;
 };
+
+FrameReport not_given(const std::string& name) {
+  FrameReport report;
+  report.name = name;
+  report.left_out.cause = LeftOutCause::no_camera;
+  return report;
+}
 
 // Poses of a held-out photo come from all photos: it is the panorama that must do without it.
 Split split(const PreparedBuild& prepared, int every, const Job& job) {
@@ -78,12 +85,11 @@ Split split(const PreparedBuild& prepared, int every, const Job& job) {
     const auto camera = std::find_if(cameras.begin(), cameras.end(),
                                      [&](const Camera& c) { return c.name == prepared.frames.name(i); });
     if (camera == cameras.end()) {
-      FrameReport report;
-      report.name = prepared.frames.name(i), report.left_out.cause = LeftOutCause::no_camera;
-      result.without_camera.push_back(given ? report : poses.report.frames[static_cast<size_t>(i)]);
+      result.without_camera.push_back(given ? not_given(prepared.frames.name(i))
+                                            : poses.report.frames[static_cast<size_t>(i)]);
       continue;
     }
-    const bool is_test = left_out(posed++, every);
+    const bool is_test = is_tested(posed++, every);
     (is_test ? result.test_frames : result.kept_frames).push_back(i);
     (is_test ? result.tests : result.kept).push_back(*camera);
   }
@@ -235,7 +241,8 @@ PosesReport left_out_of(const Split& split, const BuildReport& report) {
 void print(const std::vector<Row>& rows, const PosesReport& left_out, const BuildReport& report, bool json) {
   const ViewQuality ours = mean_of(rows, &Row::ours), baseline = mean_of(rows, &Row::baseline);
   if (json) {
-    Json all{{"views", Json::array()},
+    Json all{{"built_from", report.gains.size()},
+             {"views", Json::array()},
              {"mean", view_quality_json(ours)},
              {"baseline_mean", view_quality_json(baseline)},
              {"expected", quality_json(report.quality)},
