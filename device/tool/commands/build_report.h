@@ -1,4 +1,5 @@
-// What one build tells of itself: report.json (seconds, memory, energies, poses, coverage, sizes), and lines for people.
+// What one build tells of itself: report.json (seconds, memory, energies, poses, coverage, sizes), and lines for
+// people.
 #pragma once
 
 #include <nlohmann/json.hpp>
