@@ -393,6 +393,41 @@ TEST(EstimatePoses, WhatIsToldOfTheLensIsLeftOutWhereNothingOrLittleComesOfIt) {
   }
 }
 
+RgbImage noise_picture(unsigned seed) {
+  std::mt19937 random(seed);
+  RgbImage image(320, 240);
+  for (Rgb& pixel : image.samples) pixel.r = pixel.g = pixel.b = static_cast<uint8_t>(random());
+  return image;
+}
+
+// Nothing better is found without; and of photos that do not belong together a few make no sweep.
+TEST(EstimatePoses, WhatIsToldOfTheLensStaysWherePhotosAreLostForOtherReasons) {
+  SweepPath path;
+  path.frames = 6, path.width = 320, path.height = 240;
+  path.arc_rad = 132 * kDegree, path.fov_rad = 95 * kDegree, path.k1 = -0.2;
+  path.seed = 5;
+  const std::vector<Camera> truth = sweep_cameras(path);
+  const Photos own = photos_of(Scene(make_scene("courtyard", 5)), truth);
+  std::vector<RgbImage> images;
+  for (int i = 0; i < own.size(); ++i) images.push_back(own.load(i));
+  images.push_back(noise_picture(1));
+  PosesOptions told;
+  told.fov_rad = path.fov_rad;
+  const Poses poses = estimate_poses(Photos(images), told, Job{});
+  ASSERT_EQ(poses.cameras.size(), truth.size());
+  EXPECT_NEAR(poses.cameras[0].intrinsics.fx / truth[0].intrinsics.fx, 1, 0.02);
+  EXPECT_EQ(wrong_lens(poses), "");
+
+  path.k1 = 0, path.frames = 9, path.arc_rad = 198 * kDegree, path.fov_rad = 75 * kDegree;
+  const Photos others = photos_of(Scene(make_scene("room", 5)), sweep_cameras(path));
+  images.clear();
+  for (int i = 0; i < 3; ++i) images.push_back(others.load(i));
+  for (unsigned seed = 1; seed < 5; ++seed) images.push_back(noise_picture(seed));
+  EXPECT_EQ(estimate_poses(Photos(images), PosesOptions{}, Job{}).cameras.size(), 3U);
+  told.fov_rad = 10 * kDegree;
+  EXPECT_THROW(estimate_poses(Photos(images), told, Job{}), Impossible);
+}
+
 TEST(EstimatePoses, RecognisesARotationOnTheSpot) {
   const Poses poses = estimate_poses(Photos(rendered(0).images), PosesOptions{}, Job{});
   EXPECT_EQ(poses.report.motion, Motion::rotation);
