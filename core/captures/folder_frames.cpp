@@ -27,6 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kAlikeSides = 100;  // photos whose sides differ by less than this share of them are of one camera
 constexpr int64_t kEnoughPixels = 4'000'000;  // that any photo is decoded to, where no more are asked for
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -92,16 +93,39 @@ std::vector<ImageSize> sizes_of(const std::vector<PhotoFile>& files, int orienta
   return sizes;
 }
 
-// That of more than half of the photos: a few others among them were turned or cropped.
-ImageSize common_size(const std::vector<PhotoFile>& files, const std::vector<ImageSize>& sizes,
-                      const std::string& shown) {
-  for (const ImageSize& size : sizes)
-    if (2 * std::count(sizes.begin(), sizes.end(), size) > static_cast<std::ptrdiff_t>(sizes.size())) return size;
-  const auto other = std::find_if(sizes.begin(), sizes.end(), [&](ImageSize size) { return size != sizes.front(); });
+// Programs that turn photos or take their lenses' bending out trim each a little differently.
+bool alike(ImageSize a, ImageSize b) {
+  return kAlikeSides * std::abs(a.width - b.width) < std::max(a.width, b.width) &&
+         kAlikeSides * std::abs(a.height - b.height) < std::max(a.height, b.height);
+}
+
+// That of more than half of the photos, or alike: a few others among them were turned or cropped.
+ImageSize typical_size(const std::vector<PhotoFile>& files, const std::vector<ImageSize>& sizes,
+                       const std::string& shown) {
+  for (const ImageSize& size : sizes) {
+    const auto same = std::count_if(sizes.begin(), sizes.end(), [&](ImageSize other) { return alike(size, other); });
+    if (2 * same > static_cast<std::ptrdiff_t>(sizes.size())) return size;
+  }
+  const auto other =
+      std::find_if(sizes.begin(), sizes.end(), [&](ImageSize size) { return !alike(size, sizes.front()); });
   throw std::runtime_error(shown + ": photos of several sizes, " + name_of(files.front()) + " is " +
                            text_of(sizes.front()) + " and " +
                            name_of(files[static_cast<size_t>(other - sizes.begin())]) + " " + text_of(*other) +
                            ": keep only the photos of one sweep");
+}
+
+// What all have that are alike.
+ImageSize common_size(ImageSize typical, const std::vector<ImageSize>& sizes) {
+  ImageSize common = typical;
+  for (const ImageSize& size : sizes)
+    if (alike(typical, size)) common = {std::min(common.width, size.width), std::min(common.height, size.height)};
+  return common;
+}
+
+RgbImage part(const RgbImage& image, int left, int top, ImageSize size) {
+  RgbImage cut(size.width, size.height);
+  for (int y = 0; y < size.height; ++y) std::copy_n(image.row(top + y) + left, size.width, cut.row(y));
+  return cut;
 }
 
 std::string list_of(const std::vector<std::string>& names) {
@@ -129,7 +153,7 @@ std::string list_of(const std::vector<std::string>& names) {
                      " photos are damaged (" + list_of(damaged) + "): copy them again, or leave them out");
 }
 
-Camera scaled(Camera camera, ImageSize size) {
+Camera resized(Camera camera, ImageSize size) {
   Intrinsics& in = camera.intrinsics;
   const double x = static_cast<double>(size.width) / in.width, y = static_cast<double>(size.height) / in.height;
   // Rounding to whole pixels changes the shape by less than one of them.
@@ -234,24 +258,36 @@ FolderFrames::FolderFrames(std::vector<PhotoFile> files, const std::string& show
   } catch (const DamagedImage& met) {
     refuse_all_damaged(files_, shown_, met);
   }
-  common_ = common_size(files_, stored_, shown_);
-  working_ = working(common_);
+  typical_ = typical_size(files_, stored_, shown_);
+  common_ = common_size(typical_, stored_);
+  working_ = scaled(common_);
 }
 
 std::string FolderFrames::name(int index) const { return name_of(files_.at(static_cast<size_t>(index))); }
 
 // Scaled down by as much as the others: one cropped to the same shape is not to pass for one of them.
-ImageSize FolderFrames::working(ImageSize stored) const {
-  const double pixels = std::max(pixels_of(stored), pixels_of(common_));
+ImageSize FolderFrames::scaled(ImageSize stored) const {
+  const double pixels = alike(stored, typical_) ? pixels_of(common_) : std::max(pixels_of(stored), pixels_of(common_));
   if (pixels <= static_cast<double>(options_.max_pixels)) return stored;
   const double scale = std::sqrt(static_cast<double>(options_.max_pixels) / pixels);
   return {std::max(1, static_cast<int>(stored.width * scale)), std::max(1, static_cast<int>(stored.height * scale))};
 }
 
+Framing FolderFrames::framing(int index) const {
+  Framing framing;
+  framing.stored = stored_.at(static_cast<size_t>(index));
+  framing.scaled = scaled(framing.stored);
+  if (alike(framing.stored, typical_)) {
+    framing.left = (framing.scaled.width - working_.width) / 2;
+    framing.top = (framing.scaled.height - working_.height) / 2;
+  }
+  return framing;
+}
+
 // Decoding at a whole fraction of the size saves memory; the rest of the way is averaged.
 Photo FolderFrames::read(int index) const {
   const PhotoFile& file = files_.at(static_cast<size_t>(index));
-  const ImageSize stored = stored_.at(static_cast<size_t>(index)), size = working(stored);
+  const ImageSize stored = stored_.at(static_cast<size_t>(index)), size = scaled(stored);
   const int64_t enough = std::max<int64_t>(int64_t{4} * size.width * size.height, kEnoughPixels);
   try {
     return read_photo(file.path, size == stored ? kMaxImagePixels : enough, file.called);
@@ -263,13 +299,15 @@ Photo FolderFrames::read(int index) const {
 RgbImage FolderFrames::load(int index) const {
   Photo photo = read(index);
   const ImageSize found = upright(photo.full_size, options_.orientation);
-  const ImageSize stored = stored_.at(static_cast<size_t>(index)), size = working(stored);
+  const auto [stored, size, left, top] = framing(index);
   if (found != stored) {
     throw std::runtime_error(files_[static_cast<size_t>(index)].called + ": is " + text_of(found) + " by now and was " +
                              text_of(stored) + ": leave the photos alone while they are worked on");
   }
   RgbImage image = upright(std::move(photo.image), options_.orientation);
-  return size == stored ? image : resize_by_area(image, size.width, size.height);
+  if (size != stored) image = resize_by_area(image, size.width, size.height);
+  if (alike(stored, typical_) && size != working_) image = part(image, left, top, working_);
+  return image;
 }
 
 std::optional<double> FolderFrames::focal_hint(int index) const {
@@ -280,9 +318,13 @@ std::vector<Camera> FolderFrames::fit(const std::vector<Camera>& cameras) const 
   std::vector<Camera> fitted;
   for (int i = 0; i < size(); ++i) {
     const Camera* camera = find_camera(cameras, name(i));
-    if (camera == nullptr || working(stored_[static_cast<size_t>(i)]) != working_) continue;
-    fitted.push_back(scaled(*camera, working_));
+    const auto [stored, size, left, top] = framing(i);
+    if (camera == nullptr || !alike(stored, typical_)) continue;
+    fitted.push_back(resized(*camera, size));
     fitted.back().name = name(i);
+    Intrinsics& in = fitted.back().intrinsics;
+    in.cx -= left, in.cy -= top;
+    in.width = working_.width, in.height = working_.height;
   }
   return fitted;
 }

@@ -3,9 +3,10 @@
 // Takes a folder of .jpg, .jpeg or .png photos of any names (upper or lower case), in name order with numbers by value;
 // when the folder itself holds none, its subfolder `frames`; or photos one by one, in the order given. Photos larger
 // than `max_pixels` are scaled down, so that memory is bounded by that and not by the camera. More than half of the
-// photos are of one size, and their frames of one working size; the few others are scaled down by as much. Photos of
-// several sizes of which none is that common, no photo at all, or an unreadable one are refused, naming the file; once
-// one is found damaged all are decoded, and those damaged named together. Nothing is decoded before it is asked for.
+// photos are of one size, give or take the few pixels that a program trims (whose borders are cut off), and their
+// frames of one working size; the few others are scaled down by as much. Photos of several sizes of which none is that
+// common, no photo at all, or an unreadable one are refused, naming the file; once one is found damaged all are
+// decoded, and those damaged named together. Nothing is decoded before it is asked for.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +31,13 @@ struct PhotoFile {
   std::string called;  // in errors
 };
 
+// Which part of a photo its frame is.
+struct Framing {
+  ImageSize stored;       // of the photo, upright
+  ImageSize scaled;       // of all of it at its frame's scale
+  int left = 0, top = 0;  // the frame's corner in that
+};
+
 class FolderFrames : public FrameSource {
  public:
   // Throws std::runtime_error naming the folder or file and what to do.
@@ -44,8 +52,9 @@ class FolderFrames : public FrameSource {
   std::optional<double> focal_hint(int index) const override;
 
   const std::vector<PhotoFile>& files() const { return files_; }
-  ImageSize stored_size() const { return common_; }    // of most files, upright
+  ImageSize stored_size() const { return common_; }    // what most files have, upright
   ImageSize working_size() const { return working_; }  // of their frames as loaded
+  Framing framing(int index) const;
 
   // The same cameras for frames of the working size; those that no photo of that size is named after are left out.
   // Throws std::runtime_error when a camera's image has another shape than the photos.
@@ -53,13 +62,13 @@ class FolderFrames : public FrameSource {
 
  private:
   Photo read(int index) const;
-  ImageSize working(ImageSize stored) const;
+  ImageSize scaled(ImageSize stored) const;
 
   std::vector<PhotoFile> files_;
   std::string shown_;
   FolderFramesOptions options_;
   std::vector<ImageSize> stored_;  // by file, upright
-  ImageSize common_, working_;
+  ImageSize typical_, common_, working_;
 };
 
 // Those FolderFrames takes of a folder, at least one. Only lists: what is in them is not looked at. Throws

@@ -9,6 +9,7 @@
 #include "core/base/processor_time.h"
 #include "core/estimate/estimate_tuning.h"
 #include "core/estimate/small_frames.h"
+#include "core/panorama/file/ldp_file.h"
 #include "core/pipeline/grid_layout.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/pipeline/pipeline_tuning.h"
@@ -23,7 +24,7 @@ using namespace estimate;  // tuned constants
 struct Posed {
   const FrameSource& frames;
   const BuildOptions& options;
-  const LdpEncodeOptions& encoding;
+  std::optional<int> colour_quality;
   Poses poses;
   double worked_s = 0;
 };
@@ -40,9 +41,9 @@ double lap(double& last) {
   return now - std::exchange(last, now);
 }
 
-Posed pose(const FrameSource& frames, const BuildOptions& options, const LdpEncodeOptions& encoding, const Job& job) {
+Posed pose(const FrameSource& frames, const BuildOptions& options, std::optional<int> colour_quality, const Job& job) {
   double last = processor_seconds();
-  Posed posed{frames, options, encoding, {}};
+  Posed posed{frames, options, colour_quality, {}};
   posed.poses = options.cameras.empty() ? estimate_poses(frames, options.poses, job)
                                         : triangulate(frames, options.cameras, options.poses, job);
   posed.worked_s = lap(last);
@@ -59,7 +60,8 @@ SmallBuild build_small(const Posed& posed, int64_t pixels, const Job& job) {
   smaller.scratch_directory.clear();
   small.result = build(*small.frames, smaller, job, fitted(posed.poses, *small.frames));
   lap(last);
-  small.chunks = describe_ldp(encode_ldp(small.result.panorama, posed.encoding, job)).chunks;
+  const int quality = posed.colour_quality.value_or(small.result.colour_quality);
+  small.chunks = describe_ldp(encode_ldp(small.result.panorama, {quality}, job)).chunks;
   small.encoding_s = lap(last);
   return small;
 }
@@ -128,10 +130,10 @@ double pitch_of(const SmallBuild& small, const BuildOptions& options) {
 
 }  // namespace
 
-BuildEstimate estimate_build(const FrameSource& frames, const BuildOptions& options, const LdpEncodeOptions& encoding,
+BuildEstimate estimate_build(const FrameSource& frames, const BuildOptions& options, std::optional<int> colour_quality,
                              const Job& job) {
   const double begun = processor_seconds();
-  const Posed posed = pose(frames, options, encoding, job);
+  const Posed posed = pose(frames, options, colour_quality, job);
   const SmallBuild small = build_as_small_as_possible(posed, job);
   const size_t allowed = options.memory_bytes > 0 ? options.memory_bytes : kEasyMemory;
   const double pitch = pitch_of(small, options);

@@ -7,10 +7,10 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "core/base/job.h"
 #include "core/geometry/geometry.h"
-#include "core/panorama/file/ldp_file.h"
 #include "core/photos/frame_source.h"
 #include "core/pipeline/build.h"
 
@@ -25,8 +25,9 @@ struct BuildEstimate {
   double spent_seconds = 0;      // of the processors, on the estimate itself
 };
 
-// Of the frames as the build would load them, with its options. Throws as build() does.
-BuildEstimate estimate_build(const FrameSource& frames, const BuildOptions& options, const LdpEncodeOptions& encoding,
+// Of the frames as the build would load them, with its options; without a quality of that of the panorama itself.
+// Throws as build() does.
+BuildEstimate estimate_build(const FrameSource& frames, const BuildOptions& options, std::optional<int> colour_quality,
                              const Job& job);
 
 }  // namespace ldp

@@ -19,6 +19,7 @@
 #include "core/layers/simpler_maps.h"
 #include "core/photos/exposure/local_exposure.h"
 #include "core/pipeline/code_layers.h"
+#include "core/pipeline/colour_quality.h"
 #include "core/pipeline/crop.h"
 #include "core/pipeline/debug_pictures.h"
 #include "core/pipeline/grid_layout.h"
@@ -378,6 +379,7 @@ class Build {
     report_.poses = poses_.report;
     report_.quality = judge(report_.evidence);
     panorama.quality = figures_of(report_.quality);
+    result.colour_quality = pipeline::colour_quality_for(report_.quality.photos_back_psnr_db);
     watch_.lap("verdict");
     result.report = std::move(report_);
     result.scratch = layout_->give_scratch();

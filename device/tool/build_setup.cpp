@@ -147,9 +147,12 @@ void add_build_options(CLI::App& command, BuildSetup& setup) {
   command.add_option("--near", build.near_depth, "Nearest depth, in the capture's unit; 0 = from the photos")
       ->check(number_within(0.0, 1e9));
   command.add_option("--far", build.far_depth, "Farthest depth; 0 = from the photos")->check(number_within(0.0, 1e9));
-  command.add_option("--quality", setup.colour_quality, "Of colour, 1 to 100, layers behind 20 less; 101 = lossless")
-      ->check(whole_within(1, 101))
-      ->capture_default_str();
+  command
+      .add_option(
+          "--quality", setup.colour_quality,
+          "Of colour, 1 to 100, layers behind 20 less; 101 = lossless [90 to 95, by how well the panorama explains "
+          "its photos]")
+      ->check(whole_within(1, 101));
   command
       .add_option(
           "--memory", build.memory_bytes,
@@ -234,7 +237,7 @@ nlohmann::ordered_json options_json(const BuildSetup& setup, const BuildOptions&
   json["near_depth"] = used.near_depth;
   json["far_depth"] = used.far_depth;
   json["memory_bytes"] = used.memory_bytes;
-  json["colour_quality"] = setup.colour_quality;
+  json["colour_quality"] = setup.colour_quality ? nlohmann::ordered_json(*setup.colour_quality) : nullptr;
   json["megapixels"] = setup.megapixels;
   json["turn_degrees"] = setup.turn_deg;
   json["fov_degrees"] =

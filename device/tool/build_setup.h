@@ -23,7 +23,7 @@ struct BuildSetup {
   int turn_deg = 0;                   // clockwise, that makes photos upright
   double fov_deg = 0;                 // 0 = from the photos
   double arm_length = 0;              // 0 = from capture.json, else the default
-  int colour_quality = 90;
+  std::optional<int> colour_quality;  // none = as exact as the photographs bear it out
   BuildOptions build;
 
   std::string capture() const;  // in words

@@ -105,6 +105,25 @@ TEST_F(Flow, TheSameSweepAndBuildGiveTheSameBytesAtAnyThreadCount) {
   EXPECT_EQ(text_of(path("1.ldp")), text_of(path("3.ldp")));
 }
 
+// A room is explained so well that coding would be much of what its views lack.
+TEST_F(Flow, ColoursAreCodedAsExactlyAsThePhotographsBearItOut) {
+  const std::string from = path("room");
+  ASSERT_EQ(ldp({"scene", "room", "-o", from, "--size", "320x240", "--frames", "8", "--arc", "60"}).status, 0);
+  const auto built = [&](const std::string& file, std::vector<std::string> more) {
+    std::vector<std::string> words{"build",  from,       "-o",  path(file), "--cameras", from + "/transforms.json",
+                                   "--json", "--effort", "fast"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome done = ldp(words);
+    EXPECT_EQ(done.status, 0) << done.err;
+    return nlohmann::json::parse(done.out);
+  };
+  const auto told = built("told.ldp", {"--quality", "90"}), chosen = built("chosen.ldp", {});
+  EXPECT_EQ(told["options"]["colour_quality"], 90);
+  EXPECT_GT(chosen["quality"]["photos_back_psnr_db"], 29);
+  EXPECT_GT(chosen["options"]["colour_quality"], 91);
+  EXPECT_GT(fs::file_size(path("chosen.ldp")), fs::file_size(path("told.ldp")));
+}
+
 TEST_F(Flow, EveryEffortGivesItsOwnBytesAtAnyThreadCount) {
   const std::string from = capture();
   const auto built = [&](const std::string& effort, const std::string& threads) {

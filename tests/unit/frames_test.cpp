@@ -95,6 +95,42 @@ TEST_F(FolderFramesTest, TakesAFewPhotosOfOtherSizesAsTheyAre) {
   EXPECT_THAT(refusal(), testing::AllOf(HasSubstr("a.jpg is 40x30"), HasSubstr("c.jpg 30x40")));
 }
 
+// As programs leave them that turn photos or take the lens's bending out: each is trimmed a little differently.
+TEST_F(FolderFramesTest, BordersThatOthersLackAreCutOff) {
+  const auto marked = [&](const std::string& name, int width, int height) {  // a grid around the middle
+    RgbImage image(width, height);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const auto level = [](int from_middle) { return static_cast<uint8_t>(128 + from_middle / 4); };
+        image.at(x, y) = {level(x - width / 2), level(y - height / 2), 0};
+      }
+    write_file(folder_ / name, encode_png(image));
+  };
+  marked("a.png", 400, 300);
+  marked("b.png", 402, 298);
+  marked("c.png", 400, 302);
+  marked("d.png", 420, 300);  // of another camera
+  const FolderFrames frames(folder_);
+  EXPECT_EQ(frames.working_size(), (ImageSize{400, 298}));
+  EXPECT_EQ(frames.load(3).width, 420);
+  const RgbImage first = frames.load(0);
+  for (int i = 1; i < 3; ++i) EXPECT_EQ(frames.load(i), first) << i;
+  Camera camera;
+  camera.intrinsics = {804, 596, 600, 600, 402, 298};  // of the second, twice as large
+  camera.name = "b.png";
+  const std::vector<Camera> fitted = frames.fit({camera});
+  ASSERT_EQ(fitted.size(), 1U);
+  EXPECT_DOUBLE_EQ(fitted[0].intrinsics.fx, 300);
+  EXPECT_DOUBLE_EQ(fitted[0].intrinsics.cx, 200);
+  EXPECT_DOUBLE_EQ(fitted[0].intrinsics.cy, 149);
+  EXPECT_EQ(fitted[0].intrinsics.width, 400);
+
+  const FolderFrames half(folder_, {200 * 150});
+  EXPECT_EQ(half.working_size().width, half.load(1).width);
+  EXPECT_EQ(half.framing(1).left, 0);
+  EXPECT_EQ(half.framing(1).scaled.width, 201);
+}
+
 // Scaled down to as many pixels as the others a crop of the same shape would pass for one of them.
 TEST_F(FolderFramesTest, APhotoOfAnotherSizeIsScaledDownByAsMuchAsTheOthers) {
   for (const char* const name : {"a.jpg", "b.jpg"}) photo(name, 200, 150);

@@ -164,12 +164,14 @@ int run(const BuildCommand& command, const Session& session) {
   BuildResult result = build_with_pictures(prepared, command.debug, job, std::move(begun));
   add_metadata(prepared.notes, result.panorama);
   if (command.if_needed) result.panorama.metadata[kRecipe] = recipe;
-  const std::vector<uint8_t> file = encode_ldp(result.panorama, {command.setup.colour_quality}, job);
+  const int colour_quality = command.setup.colour_quality.value_or(result.colour_quality);
+  const std::vector<uint8_t> file = encode_ldp(result.panorama, {colour_quality}, job);
   write_output(command.output, file);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   nlohmann::ordered_json report = report_json(result.report, result.panorama);
   report["version"] = LDP_VERSION;
   report["options"] = options_json(command.setup, prepared.options);
+  report["options"]["colour_quality"] = colour_quality;
   report["options"]["threads"] = session.thread_count();
   report["seconds"]["whole"] = seconds;
   report["processor_seconds"]["whole"] = processor_seconds();

@@ -31,7 +31,7 @@ int tell_estimate(const BuildSetup& setup, const std::string& output, const Sess
   with_scratch.scratch = std::filesystem::absolute(output.empty() ? "here" : output).parent_path().string();
   PreparedBuild prepared = prepare(with_scratch, job);
   prepared.options.scratch_directory = with_scratch.scratch;
-  const BuildEstimate estimate = estimate_build(prepared.frames, prepared.options, {setup.colour_quality}, job);
+  const BuildEstimate estimate = estimate_build(prepared.frames, prepared.options, setup.colour_quality, job);
   bar.reset();
   if (!session.json) {
     print(setup.capture(), estimate);
