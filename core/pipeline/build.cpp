@@ -19,7 +19,6 @@
 #include "core/layers/simpler_maps.h"
 #include "core/photos/exposure/local_exposure.h"
 #include "core/pipeline/code_layers.h"
-#include "core/pipeline/colour_quality.h"
 #include "core/pipeline/crop.h"
 #include "core/pipeline/debug_pictures.h"
 #include "core/pipeline/grid_layout.h"
@@ -30,6 +29,7 @@
 #include "core/pipeline/stopwatch.h"
 #include "core/rectify/rectify.h"
 #include "core/sweep/cost_volume.h"
+#include "core/verdict/colour_quality.h"
 #include "core/verdict/judge.h"
 #include "core/verdict/measured_frames.h"
 #include "core/verdict/rephotography.h"
@@ -379,7 +379,7 @@ class Build {
     report_.poses = poses_.report;
     report_.quality = judge(report_.evidence);
     panorama.quality = figures_of(report_.quality);
-    result.colour_quality = pipeline::colour_quality_for(report_.quality.photos_back_psnr_db);
+    result.colour_quality = colour_quality_for(report_.quality.photos_back_psnr_db);
     watch_.lap("verdict");
     result.report = std::move(report_);
     result.scratch = layout_->give_scratch();

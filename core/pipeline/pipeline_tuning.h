@@ -38,8 +38,5 @@ constexpr int kUnsmoothedPx = 40;      // parts of what matches best without smo
 // not say otherwise, by what they tell within a few pixels.
 constexpr int kFrontSpeckPx = 30, kDoubtfulPx = 150, kDoubtReachPx = 2;
 constexpr int kSilhouettePx = 4;  // by so much the sweep's windows may widen a near surface, and the cut a little more
-// Qualities of coding colours for photographs explained so far, in dB of the panorama rendered back into them.
-constexpr double kRoughlyExplained_db = 28, kExplained_db = 31;
-constexpr int kRoughColour = 90, kExactColour = 95;
 
 }  // namespace ldp::pipeline

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "core/pipeline/colour_quality.h"
 #include "core/pipeline/stage_order.h"
 
 namespace ldp {
@@ -84,14 +83,6 @@ TEST(Pipeline, NothingFollowsAStageThatFails) {
     EXPECT_EQ(failing.calls.back(), failing.throws_in);
     EXPECT_LE(failing.calls.size(), i + 1);
   }
-}
-
-TEST(ColourQuality, GrowsWithWhatIsExplained) {
-  EXPECT_EQ(pipeline::colour_quality_for(0), 90);  // also where nothing is known
-  EXPECT_EQ(pipeline::colour_quality_for(28), 90);
-  EXPECT_EQ(pipeline::colour_quality_for(29.2), 92);
-  EXPECT_EQ(pipeline::colour_quality_for(31), 95);
-  EXPECT_EQ(pipeline::colour_quality_for(99), 95);
 }
 
 }  // namespace

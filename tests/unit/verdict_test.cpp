@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/verdict/colour_quality.h"
 #include "core/verdict/expectation.h"
 #include "core/verdict/judge.h"
 #include "core/verdict/photo_measures.h"
@@ -661,6 +662,14 @@ TEST(TrackFlow, WhoGoesAroundAThingLooksInward) {
   EXPECT_EQ(measured(0.5, 0.2), 0);
   EXPECT_EQ(measured(-2, 0.01), 0) << "a path that hardly turns is a line";
   EXPECT_EQ(measured(0, 0.2), 0);
+}
+
+TEST(ColourQuality, GrowsWithWhatIsExplained) {
+  EXPECT_EQ(colour_quality_for(0), 90);  // also where nothing is known
+  EXPECT_EQ(colour_quality_for(28), 90);
+  EXPECT_EQ(colour_quality_for(29.2), 92);
+  EXPECT_EQ(colour_quality_for(31), 95);
+  EXPECT_EQ(colour_quality_for(99), 95);
 }
 
 }  // namespace
