@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "core/arc/arc.h"
 #include "core/pipeline/crop.h"
@@ -129,6 +130,46 @@ TEST(SeenBox, CutsRowsAndColumnsOfWhichLessThanATwentiethIsSeen) {
 TEST(SeenBox, KeepsAllColumnsOfAPanoramaThatWrapsAndAllOfAnEmptyOne) {
   expect_box(seen_box({present_in({30, 10, 100, 60}, 200, 100)}, true), {0, 10, 200, 60});
   expect_box(seen_box({present_in({0, 0, 0, 0}, 20, 10)}, false), {0, 0, 20, 10});
+}
+
+// Looks again at what it is asked of.
+Window box_by_looking(const DisparityMap& layer) {
+  Window box{0, 0, layer.width, layer.height};
+  for (const int least_seen : {1'000'000, 20}) {
+    const auto hardly = [&](const Window& part) {
+      int seen = 0;
+      for (int y = part.y; y < part.y + part.height; ++y)
+        for (int x = part.x; x < part.x + part.width; ++x) seen += layer.at(x, y) != kNoDisparity ? 1 : 0;
+      return seen * least_seen < part.width * part.height;
+    };
+    for (bool trimmed = true; trimmed && box.width > 0 && box.height > 0;) {
+      trimmed = true;
+      if (hardly({box.x, box.y, box.width, 1})) {
+        ++box.y, --box.height;
+      } else if (hardly({box.x, box.y + box.height - 1, box.width, 1})) {
+        --box.height;
+      } else if (hardly({box.x, box.y, 1, box.height})) {
+        ++box.x, --box.width;
+      } else if (hardly({box.x + box.width - 1, box.y, 1, box.height})) {
+        --box.width;
+      } else {
+        trimmed = false;
+      }
+    }
+  }
+  return box;
+}
+
+// What a row has of a column that goes is no longer counted, and the other way round.
+TEST(SeenBox, IsThatOfLookingAgainAtEachRowAndColumn) {
+  std::mt19937 random(5);
+  for (int trial = 0; trial < 30; ++trial) {
+    DisparityMap layer = present_in({20, 12, 30, 20}, 70, 50);
+    for (int y = 0; y < layer.height; ++y)
+      for (int x = 0; x < layer.width; ++x)
+        if (static_cast<int>(random() % 1000) < (x + y) % 90) layer.at(x, y) = 7;
+    expect_box(seen_box({layer}, false), box_by_looking(layer));
+  }
 }
 
 TEST(Crop, KeepsTheBoxOfAllPlanesAndTheirPlaceOnTheGrid) {
