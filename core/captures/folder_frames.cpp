@@ -78,6 +78,19 @@ bool is_photo(const fs::directory_entry& entry) {
   return !hidden && (ending == ".jpg" || ending == ".jpeg" || ending == ".png") && entry.is_regular_file();
 }
 
+// The first, by its name, of the folders in a folder that hold photos; empty where none does.
+fs::path folder_of_photos(const fs::path& folder) {
+  fs::path first;
+  for (const auto& entry : entries_of(folder)) {
+    if (!entry.is_directory() || entry.path().filename().string().starts_with('.')) continue;
+    std::error_code unreadable;
+    const fs::directory_iterator inside(entry.path(), unreadable);
+    const bool holds = !unreadable && std::any_of(begin(inside), end(inside), is_photo);
+    if (holds && (first.empty() || precedes_naturally(entry.path().filename(), first.filename()))) first = entry.path();
+  }
+  return first;
+}
+
 std::string text_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
 
 double pixels_of(ImageSize size) { return static_cast<double>(size.width) * size.height; }
@@ -241,7 +254,10 @@ std::vector<PhotoFile> photos_of_capture(const fs::path& folder) {
     for (const fs::path& file : files) photos.push_back({file, file.string()});
     return photos;
   }
-  const std::string other = what_else(has_frames ? folder / "frames" : folder);
+  std::string other = what_else(has_frames ? folder / "frames" : folder);
+  const fs::path inside = folder_of_photos(folder);
+  if (other.empty() && !inside.empty())
+    other = "no .jpg or .png photos in it but in " + inside.string() + ": give that folder";
   throw std::runtime_error(folder.string() + ": " +
                            (other.empty() ? "no .jpg or .png photos in it: give a folder of photos" : other));
 }

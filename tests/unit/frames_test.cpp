@@ -65,6 +65,15 @@ TEST_F(FolderFramesTest, FallsBackToTheSubfolderFrames) {
 
 TEST_F(FolderFramesTest, SaysThatAFolderIsEmpty) { EXPECT_THAT(refusal(), HasSubstr("no .jpg or .png photos")); }
 
+TEST_F(FolderFramesTest, SaysInWhichFolderOfItPhotosAre) {
+  for (const char* const name : {"images_10", "images_9", ".hidden", "masks"}) fs::create_directory(folder_ / name);
+  for (const char* const name : {"images_10/a.jpg", "images_9/a.jpg", ".hidden/a.jpg"}) photo(name);
+  text("masks/notes.txt", "");
+  EXPECT_THAT(refusal(), HasSubstr("but in " + (folder_ / "images_9").string() + ": give that folder"));
+  fs::create_directory(folder_ / "frames");
+  EXPECT_THAT(refusal(), HasSubstr("but in " + (folder_ / "images_9").string() + ": give that folder"));
+}
+
 TEST_F(FolderFramesTest, SaysThatAFolderIsMissing) {
   fs::remove_all(folder_);
   EXPECT_THAT(refusal(), HasSubstr("there is no such folder"));
