@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "core/captures/transforms.h"
@@ -32,9 +33,10 @@ class Intakes : public Flow {
     EXPECT_EQ(contents(), before) << "something was left";
     return outcome.out;
   }
-  std::vector<std::string> photos() const {
+  std::vector<std::string> photos() const { return photos_in(folder_ + "/frames"); }
+  static std::vector<std::string> photos_in(const std::string& folder) {
     std::vector<std::string> all;
-    for (const auto& entry : fs::directory_iterator(folder_ + "/frames")) all.push_back(entry.path());
+    for (const auto& entry : fs::directory_iterator(folder)) all.push_back(entry.path());
     std::sort(all.begin(), all.end());
     return all;
   }
@@ -215,9 +217,10 @@ class Films : public Intakes {
     Intakes::SetUp();
     std::ofstream(path("film.mp4")) << "not read by the script";
   }
-  void pictures(const std::string& to, int times) const {
+  void pictures(const std::string& to, int times) const { pictures(to, times, photos()); }
+  void pictures(const std::string& to, int times, const std::vector<std::string>& photos) const {
     std::ofstream out(room_ / to, std::ios::binary);
-    for (const std::string& photo : photos()) {
+    for (const std::string& photo : photos) {
       const RgbImage image = read_image(photo);
       for (int i = 0; i < times; ++i) {
         out << "P6\n" << image.width << " " << image.height << "\n255\n";
@@ -243,6 +246,20 @@ TEST_F(Films, GiveFramesByOverlap) {
   };
   EXPECT_GE(posed("once"), 6);
   EXPECT_EQ(posed("once"), posed("often")) << "what shows nothing new is passed over";
+}
+
+// At four fifths of overlap it would give four.
+TEST_F(Films, ThatTurnLittleGiveMoreFrames) {
+  ASSERT_EQ(ldp({"scene", "room", "-o", path("little"), "--size", "200x150", "--frames", "40", "--arc", "30",
+                 "--radius", "0.3", "--jitter-position", "0.002", "--jitter-angle", "0.1"})
+                .status,
+            0);
+  pictures("film", 1, photos_in(path("little/frames")));
+  const Outcome outcome = Running({"poses", path("film.mp4"), "--json"}, room_, printing("film")).wait();
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto frames = nlohmann::json::parse(outcome.out).at("frames").size();
+  EXPECT_GE(frames, 14U);
+  EXPECT_LE(frames, 22U);
 }
 
 TEST_F(Films, ThatCannotBeReadAreRefused) {

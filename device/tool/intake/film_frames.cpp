@@ -1,5 +1,6 @@
 #include "device/tool/intake/film_frames.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <string>
@@ -102,6 +103,12 @@ class FilmPictures {
   bool begun_ = false;
 };
 
+std::string frame_name(int index) {
+  std::array<char, 32> name{};
+  std::snprintf(name.data(), name.size(), "frame_%03d.jpg", index);
+  return name.data();
+}
+
 CameraFrame frame_of(const RgbImage& picture, int64_t time_ns) {
   CameraFrame frame;
   frame.time_ns = time_ns;
@@ -130,13 +137,10 @@ class FilmChoice {
   }
   bool full() const { return chooser_.full(); }
   int seen() const { return seen_; }
+  int stored() const { return stored_; }
 
  private:
-  void store(const RgbImage& picture) {
-    std::array<char, 32> name{};
-    std::snprintf(name.data(), name.size(), "frame_%03d.jpg", stored_++);
-    to_.put(name.data(), encode_jpeg(picture, kFilmJpegQuality));
-  }
+  void store(const RgbImage& picture) { to_.put(frame_name(stored_++), encode_jpeg(picture, kFilmJpegQuality)); }
 
   const UnpackedFolder& to_;
   FrameChooser chooser_;
@@ -144,7 +148,11 @@ class FilmChoice {
   int seen_ = 0, stored_ = 0;
 };
 
-void take_frames(FilmPictures& pictures, FilmChoice& choice, const fs::path& film, const Job& job) {
+// Gives how many were chosen.
+int take_frames(const fs::path& film, const UnpackedFolder& to, int64_t max_pixels, const ChooserOptions& options,
+                const Job& job) {
+  FilmPictures pictures(film, max_pixels, job);
+  FilmChoice choice(to, options);
   RgbImage picture;
   ImageSize size;
   while (!choice.full() && pictures.next(picture)) {
@@ -158,6 +166,12 @@ void take_frames(FilmPictures& pictures, FilmChoice& choice, const fs::path& fil
     job.check();
   }
   choice.finish();
+  return choice.stored();
+}
+
+// Of neighbours, at which kFewFilmFrames span what `chosen` frames did.
+double overlap_for_more(int chosen) {
+  return std::min(kMostFilmOverlap, 1 - (1 - kFilmOverlap) * (chosen - 1) / (kFewFilmFrames - 1));
 }
 
 }  // namespace
@@ -169,9 +183,11 @@ void take_film_frames(const fs::path& film, const UnpackedFolder& to, const Film
   chooser.max_frames = kMaxFilmFrames;
   if (options.fov_rad) chooser.fov_rad = *options.fov_rad;
   try {
-    FilmPictures pictures(film, options.max_pixels, job);
-    FilmChoice choice(to, chooser);
-    take_frames(pictures, choice, film, job);
+    const int chosen = take_frames(film, to, options.max_pixels, chooser, job);
+    if (chosen < 2 || chosen >= kFewFilmFrames) return;
+    chooser.overlap = overlap_for_more(chosen);
+    const int more = take_frames(film, to, options.max_pixels, chooser, job);
+    for (int i = more; i < chosen; ++i) fs::remove(to.path() / frame_name(i));
   } catch (const std::system_error& error) {
     if (error.code() != std::errc::no_such_file_or_directory) throw;
     throw BadInput(film.string() +

@@ -1,5 +1,6 @@
 // Frames of a film as photos of a sweep, through ffmpeg where that is installed: chosen by overlap and sharpness as a
-// device chooses those of its camera (device/capture/frame_selection.h), turned as the film says.
+// device chooses those of its camera (device/capture/frame_selection.h), turned as the film says. A film that turns so
+// little that few are chosen is gone through again, for more of them.
 //
 // Pictures come from ffmpeg one after the other; two are held at a time, and those chosen are JPEG files.
 #pragma once
