@@ -27,7 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kAlikeSides = 100;  // photos whose sides differ by less than this share of them are of one camera
+// Photos whose sides differ by less than this share of them are of one camera: 4000 and 4032 pixels are of two.
+constexpr double kTrimmedShare = 0.006;
 constexpr int64_t kEnoughPixels = 4'000'000;  // that any photo is decoded to, where no more are asked for
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -75,20 +76,26 @@ std::string what_else(const fs::path& folder) {
 bool is_photo(const fs::directory_entry& entry) {
   const std::string ending = ending_of(entry.path());
   const bool hidden = entry.path().filename().string().starts_with('.');
-  return !hidden && (ending == ".jpg" || ending == ".jpeg" || ending == ".png") && entry.is_regular_file();
+  std::error_code unknown;
+  return !hidden && (ending == ".jpg" || ending == ".jpeg" || ending == ".png") && entry.is_regular_file(unknown);
 }
 
-// The first, by its name, of the folders in a folder that hold photos; empty where none does.
-fs::path folder_of_photos(const fs::path& folder) {
-  fs::path first;
+// Names of the folders in a folder that hold photos, in order.
+std::vector<std::string> folders_of_photos(const fs::path& folder) {
+  std::vector<std::string> names;
   for (const auto& entry : entries_of(folder)) {
-    if (!entry.is_directory() || entry.path().filename().string().starts_with('.')) continue;
+    const std::string name = entry.path().filename().string();
     std::error_code unreadable;
-    const fs::directory_iterator inside(entry.path(), unreadable);
-    const bool holds = !unreadable && std::any_of(begin(inside), end(inside), is_photo);
-    if (holds && (first.empty() || precedes_naturally(entry.path().filename(), first.filename()))) first = entry.path();
+    if (name.starts_with('.') || !entry.is_directory(unreadable)) continue;
+    for (fs::directory_iterator inside(entry.path(), unreadable), end; !unreadable && inside != end;
+         inside.increment(unreadable)) {
+      if (!is_photo(*inside)) continue;
+      names.push_back(name);
+      break;
+    }
   }
-  return first;
+  std::sort(names.begin(), names.end(), precedes_naturally);
+  return names;
 }
 
 std::string text_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
@@ -108,37 +115,37 @@ std::vector<ImageSize> sizes_of(const std::vector<PhotoFile>& files, int orienta
 
 // Programs that turn photos or take their lenses' bending out trim each a little differently.
 bool alike(ImageSize a, ImageSize b) {
-  return kAlikeSides * std::abs(a.width - b.width) < std::max(a.width, b.width) &&
-         kAlikeSides * std::abs(a.height - b.height) < std::max(a.height, b.height);
+  return std::abs(a.width - b.width) < kTrimmedShare * std::max(a.width, b.width) &&
+         std::abs(a.height - b.height) < kTrimmedShare * std::max(a.height, b.height);
 }
 
 // That of more than half of the photos, or alike: a few others among them were turned or cropped.
-ImageSize typical_size(const std::vector<PhotoFile>& files, const std::vector<ImageSize>& sizes,
+ImageSize typical_size(const std::vector<PhotoFile>& files, const std::vector<ImageSize>& sizes, bool trimmed,
                        const std::string& shown) {
+  const auto of_one = [&](ImageSize a, ImageSize b) { return a == b || (trimmed && alike(a, b)); };
   for (const ImageSize& size : sizes) {
-    const auto same = std::count_if(sizes.begin(), sizes.end(), [&](ImageSize other) { return alike(size, other); });
+    const auto same = std::count_if(sizes.begin(), sizes.end(), [&](ImageSize other) { return of_one(size, other); });
     if (2 * same > static_cast<std::ptrdiff_t>(sizes.size())) return size;
   }
   const auto other =
-      std::find_if(sizes.begin(), sizes.end(), [&](ImageSize size) { return !alike(size, sizes.front()); });
+      std::find_if(sizes.begin(), sizes.end(), [&](ImageSize size) { return !of_one(size, sizes.front()); });
   throw std::runtime_error(shown + ": photos of several sizes, " + name_of(files.front()) + " is " +
                            text_of(sizes.front()) + " and " +
                            name_of(files[static_cast<size_t>(other - sizes.begin())]) + " " + text_of(*other) +
                            ": keep only the photos of one sweep");
 }
 
-// What all have that are alike.
-ImageSize common_size(ImageSize typical, const std::vector<ImageSize>& sizes) {
-  ImageSize common = typical;
-  for (const ImageSize& size : sizes)
-    if (alike(typical, size)) common = {std::min(common.width, size.width), std::min(common.height, size.height)};
-  return common;
-}
-
-RgbImage part(const RgbImage& image, int left, int top, ImageSize size) {
-  RgbImage cut(size.width, size.height);
-  for (int y = 0; y < size.height; ++y) std::copy_n(image.row(top + y) + left, size.width, cut.row(y));
-  return cut;
+// Of a photo that may have been made smaller when it was decoded.
+RgbImage cut(const RgbImage& image, const Framing& framing) {
+  const auto at = [](int stored_px, int have, int stored) {
+    return static_cast<int>(int64_t{stored_px} * have / stored);
+  };
+  const int left = at(framing.left, image.width, framing.stored.width),
+            top = at(framing.top, image.height, framing.stored.height);
+  RgbImage part(at(framing.part.width, image.width, framing.stored.width),
+                at(framing.part.height, image.height, framing.stored.height));
+  for (int y = 0; y < part.height; ++y) std::copy_n(image.row(top + y) + left, part.width, part.row(y));
+  return part;
 }
 
 std::string list_of(const std::vector<std::string>& names) {
@@ -254,12 +261,13 @@ std::vector<PhotoFile> photos_of_capture(const fs::path& folder) {
     for (const fs::path& file : files) photos.push_back({file, file.string()});
     return photos;
   }
-  std::string other = what_else(has_frames ? folder / "frames" : folder);
-  const fs::path inside = folder_of_photos(folder);
-  if (other.empty() && !inside.empty())
-    other = "no .jpg or .png photos in it but in " + inside.string() + ": give that folder";
-  throw std::runtime_error(folder.string() + ": " +
-                           (other.empty() ? "no .jpg or .png photos in it: give a folder of photos" : other));
+  const std::string other = what_else(has_frames ? folder / "frames" : folder);
+  if (!other.empty()) throw std::runtime_error(folder.string() + ": " + other);
+  const std::vector<std::string> inside = folders_of_photos(folder);
+  throw std::runtime_error(folder.string() + ": no .jpg or .png photos in it" +
+                           (inside.empty()
+                                ? ": give a folder of photos"
+                                : " but in " + list_of(inside) + " in it: give the one of the sweep's photos"));
 }
 
 FolderFrames::FolderFrames(const fs::path& folder, const FolderFramesOptions& options)
@@ -274,39 +282,41 @@ FolderFrames::FolderFrames(std::vector<PhotoFile> files, const std::string& show
   } catch (const DamagedImage& met) {
     refuse_all_damaged(files_, shown_, met);
   }
-  typical_ = typical_size(files_, stored_, shown_);
-  common_ = common_size(typical_, stored_);
+  typical_ = typical_size(files_, stored_, options.trimmed, shown_);
+  common_ = typical_;
+  for (const ImageSize& size : stored_)
+    if (is_like_most(size)) common_ = {std::min(common_.width, size.width), std::min(common_.height, size.height)};
   working_ = scaled(common_);
 }
 
 std::string FolderFrames::name(int index) const { return name_of(files_.at(static_cast<size_t>(index))); }
 
-// Scaled down by as much as the others: one cropped to the same shape is not to pass for one of them.
-ImageSize FolderFrames::scaled(ImageSize stored) const {
-  const double pixels = alike(stored, typical_) ? pixels_of(common_) : std::max(pixels_of(stored), pixels_of(common_));
-  if (pixels <= static_cast<double>(options_.max_pixels)) return stored;
-  const double scale = std::sqrt(static_cast<double>(options_.max_pixels) / pixels);
-  return {std::max(1, static_cast<int>(stored.width * scale)), std::max(1, static_cast<int>(stored.height * scale))};
+bool FolderFrames::is_like_most(ImageSize stored) const {
+  return stored == typical_ || (options_.trimmed && alike(stored, typical_));
 }
 
+// Scaled down by as much as the others: one cropped to the same shape is not to pass for one of them.
+ImageSize FolderFrames::scaled(ImageSize part) const {
+  const double pixels = std::max(pixels_of(part), pixels_of(common_));
+  if (pixels <= static_cast<double>(options_.max_pixels)) return part;
+  const double scale = std::sqrt(static_cast<double>(options_.max_pixels) / pixels);
+  return {std::max(1, static_cast<int>(part.width * scale)), std::max(1, static_cast<int>(part.height * scale))};
+}
+
+// Of photos of one camera the middle that all have; all of the others.
 Framing FolderFrames::framing(int index) const {
-  Framing framing;
-  framing.stored = stored_.at(static_cast<size_t>(index));
-  framing.scaled = scaled(framing.stored);
-  if (alike(framing.stored, typical_)) {
-    framing.left = (framing.scaled.width - working_.width) / 2;
-    framing.top = (framing.scaled.height - working_.height) / 2;
-  }
-  return framing;
+  const ImageSize stored = stored_.at(static_cast<size_t>(index));
+  if (!is_like_most(stored)) return {stored, stored};
+  return {stored, common_, (stored.width - common_.width) / 2, (stored.height - common_.height) / 2};
 }
 
 // Decoding at a whole fraction of the size saves memory; the rest of the way is averaged.
 Photo FolderFrames::read(int index) const {
   const PhotoFile& file = files_.at(static_cast<size_t>(index));
-  const ImageSize stored = stored_.at(static_cast<size_t>(index)), size = scaled(stored);
-  const int64_t enough = std::max<int64_t>(int64_t{4} * size.width * size.height, kEnoughPixels);
+  const ImageSize part = framing(index).part, frame = scaled(part);
+  const int64_t enough = std::max<int64_t>(int64_t{4} * frame.width * frame.height, kEnoughPixels);
   try {
-    return read_photo(file.path, size == stored ? kMaxImagePixels : enough, file.called);
+    return read_photo(file.path, frame == part ? kMaxImagePixels : enough, file.called);
   } catch (const DamagedImage& met) {
     refuse_all_damaged(files_, shown_, met);
   }
@@ -315,15 +325,15 @@ Photo FolderFrames::read(int index) const {
 RgbImage FolderFrames::load(int index) const {
   Photo photo = read(index);
   const ImageSize found = upright(photo.full_size, options_.orientation);
-  const auto [stored, size, left, top] = framing(index);
+  const auto [stored, part, left, top] = framing(index);
   if (found != stored) {
     throw std::runtime_error(files_[static_cast<size_t>(index)].called + ": is " + text_of(found) + " by now and was " +
                              text_of(stored) + ": leave the photos alone while they are worked on");
   }
   RgbImage image = upright(std::move(photo.image), options_.orientation);
-  if (size != stored) image = resize_by_area(image, size.width, size.height);
-  if (alike(stored, typical_) && size != working_) image = part(image, left, top, working_);
-  return image;
+  if (part != stored) image = cut(image, framing(index));
+  const ImageSize frame = scaled(part);
+  return frame == part ? image : resize_by_area(image, frame.width, frame.height);
 }
 
 std::optional<double> FolderFrames::focal_hint(int index) const {
@@ -334,13 +344,14 @@ std::vector<Camera> FolderFrames::fit(const std::vector<Camera>& cameras) const 
   std::vector<Camera> fitted;
   for (int i = 0; i < size(); ++i) {
     const Camera* camera = find_camera(cameras, name(i));
-    const auto [stored, size, left, top] = framing(i);
-    if (camera == nullptr || !alike(stored, typical_)) continue;
-    fitted.push_back(resized(*camera, size));
-    fitted.back().name = name(i);
-    Intrinsics& in = fitted.back().intrinsics;
+    const auto [stored, part, left, top] = framing(i);
+    if (camera == nullptr || scaled(part) != working_) continue;
+    Camera of_part = resized(*camera, stored);
+    Intrinsics& in = of_part.intrinsics;
     in.cx -= left, in.cy -= top;
-    in.width = working_.width, in.height = working_.height;
+    in.width = part.width, in.height = part.height;
+    fitted.push_back(resized(of_part, working_));
+    fitted.back().name = name(i);
   }
   return fitted;
 }

@@ -24,6 +24,7 @@ namespace ldp {
 struct FolderFramesOptions {
   int64_t max_pixels = 2'100'000;  // 1920x1080 passes as it is
   int orientation = 1;  // as EXIF numbers them, of what the photos' own leave: a camera that was mounted on its side
+  bool trimmed = true;  // photos whose sizes differ by a few pixels may be of one camera
 };
 
 struct PhotoFile {
@@ -31,11 +32,10 @@ struct PhotoFile {
   std::string called;  // in errors
 };
 
-// Which part of a photo its frame is.
+// Which part of a photo its frame is, in the photo's pixels, upright.
 struct Framing {
-  ImageSize stored;       // of the photo, upright
-  ImageSize scaled;       // of all of it at its frame's scale
-  int left = 0, top = 0;  // the frame's corner in that
+  ImageSize stored, part;
+  int left = 0, top = 0;
 };
 
 class FolderFrames : public FrameSource {
@@ -56,13 +56,14 @@ class FolderFrames : public FrameSource {
   ImageSize working_size() const { return working_; }  // of their frames as loaded
   Framing framing(int index) const;
 
-  // The same cameras for frames of the working size; those that no photo of that size is named after are left out.
+  // The same cameras for frames; those that no photo is named after whose frame has the working size are left out.
   // Throws std::runtime_error when a camera's image has another shape than the photos.
   std::vector<Camera> fit(const std::vector<Camera>& cameras) const;
 
  private:
   Photo read(int index) const;
-  ImageSize scaled(ImageSize stored) const;
+  bool is_like_most(ImageSize stored) const;
+  ImageSize scaled(ImageSize part) const;
 
   std::vector<PhotoFile> files_;
   std::string shown_;

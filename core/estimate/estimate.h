@@ -25,7 +25,7 @@ struct BuildEstimate {
   double spent_seconds = 0;      // of the processors, on the estimate itself
 };
 
-// Of the frames as the build would load them, with its options; without a quality of that of the panorama itself.
+// Of the frames as the build would load them, with its options; without a quality of that which the small panorama asks for.
 // Throws as build() does.
 BuildEstimate estimate_build(const FrameSource& frames, const BuildOptions& options, std::optional<int> colour_quality,
                              const Job& job);

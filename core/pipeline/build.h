@@ -77,7 +77,7 @@ struct BuildReport {
 struct BuildResult {
   std::unique_ptr<ScratchSpace> scratch;  // where the panorama's arrays may live; nullptr: in memory
   LayeredPanorama panorama;
-  int colour_quality = 0;  // to encode it with: colours as exact as the photographs bear it out
+  int colour_quality = 90;  // to encode it with: colours as exact as the photographs bear it out
   BuildReport report;
 };
 

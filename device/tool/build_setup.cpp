@@ -46,6 +46,7 @@ FolderFramesOptions frames_options(const BuildSetup& setup) {
   options.max_pixels = std::llround(setup.megapixels * 1e6);
   constexpr std::array kOrientations = {1, 6, 3, 8};
   options.orientation = kOrientations[static_cast<size_t>(setup.turn_deg / 90)];
+  options.trimmed = setup.trimmed;
   return options;
 }
 
@@ -237,6 +238,7 @@ nlohmann::ordered_json options_json(const BuildSetup& setup, const BuildOptions&
   json["near_depth"] = used.near_depth;
   json["far_depth"] = used.far_depth;
   json["memory_bytes"] = used.memory_bytes;
+  // Known only once it is built, where it is not told.
   json["colour_quality"] = setup.colour_quality ? nlohmann::ordered_json(*setup.colour_quality) : nullptr;
   json["megapixels"] = setup.megapixels;
   json["turn_degrees"] = setup.turn_deg;

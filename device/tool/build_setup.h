@@ -20,6 +20,7 @@ struct BuildSetup {
   std::string cameras;                // transforms.json or empty
   std::string scratch;                // folder for what is unpacked meanwhile; empty = the system's
   double megapixels = 2.1;            // of a frame at most
+  bool trimmed = true;                // whether photos that differ by a few pixels are of one camera
   int turn_deg = 0;                   // clockwise, that makes photos upright
   double fov_deg = 0;                 // 0 = from the photos
   double arm_length = 0;              // 0 = from capture.json, else the default

@@ -1,5 +1,7 @@
 // Cameras given to `ldp` that cannot be meant: axes of another program, no lens, another sweep, all at one place.
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -133,6 +135,46 @@ TEST_F(GivenCameras, AreTakenFromTheFolderOfAColmapModel) {
       EXPECT_NEAR(found["frames"][i]["transform_matrix"][k / 4][k % 4].get<double>(),
                   truth["frames"][i]["transform_matrix"][k / 4][k % 4].get<double>(), 1e-9);
   expect_refusal({"build", from, "-o", path("a.ldp"), "--cameras", from}, 2, "holds no COLMAP model");
+}
+
+class TrimmedPhotos : public Flow {
+ protected:
+  static void trim(const std::string& file, int left, int top, int right, int bottom) {
+    const RgbImage whole = read_image(file);
+    RgbImage cut(whole.width - left - right, whole.height - top - bottom);
+    for (int y = 0; y < cut.height; ++y) std::copy_n(whole.row(top + y) + left, cut.width, cut.row(y));
+    write_file(file, encode_png(cut));
+  }
+};
+
+// The camera looks through the middle of each photo as it is stored.
+TEST_F(TrimmedPhotos, HaveCamerasOfTheirOwnSizes) {
+  const std::string from = path("room");
+  ASSERT_EQ(ldp({"scene", "room", "-o", from, "--size", "480x360", "--frames", "5", "--arc", "40"}).status, 0);
+  trim(from + "/frames/003.png", 1, 1, 1, 1);
+  const Outcome outcome = ldp({"poses", from, "-o", path("poses.json"), "--colmap", path("model")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(text_of(path("poses.json")));
+  const auto of = [](const nlohmann::json& frame) {
+    return std::array<double, 4>{frame["w"], frame["h"], frame["cx"], frame["cy"]};
+  };
+  ASSERT_EQ(json["frames"].size(), 5U);
+  EXPECT_EQ(of(json["frames"][0]), (std::array<double, 4>{480, 360, 240, 180}));
+  EXPECT_EQ(of(json["frames"][3]), (std::array<double, 4>{478, 358, 239, 179}));
+  const Outcome built = ldp({"build", from, "-o", path("a.ldp"), "--cameras", path("poses.json"), "--effort", "fast"});
+  EXPECT_EQ(built.status, 0) << built.err;
+  EXPECT_THAT(built.out, HasSubstr("5 of 5 photos"));
+}
+
+// While they are taken nobody knows what all have: one that differs is left out, and the others are not lost.
+TEST_F(TrimmedPhotos, AreLeftOutWhileTheSweepIsFollowed) {
+  const std::string from = capture();
+  trim(from + "/frames/007.png", 1, 0, 0, 1);
+  const Outcome built = Running({"build", from, "-o", path("a.ldp"), "--layers", "1", "--follow"}, room_,
+                                fed_by("for i in 0 1 2 3 4 5 6; do echo 00$i.png; done; sleep 0.2; echo end"))
+                            .wait();
+  EXPECT_EQ(built.status, 0) << built.err;
+  EXPECT_THAT(built.out, HasSubstr("7 of 8 photos"));
 }
 
 }  // namespace

@@ -65,13 +65,16 @@ TEST_F(FolderFramesTest, FallsBackToTheSubfolderFrames) {
 
 TEST_F(FolderFramesTest, SaysThatAFolderIsEmpty) { EXPECT_THAT(refusal(), HasSubstr("no .jpg or .png photos")); }
 
-TEST_F(FolderFramesTest, SaysInWhichFolderOfItPhotosAre) {
-  for (const char* const name : {"images_10", "images_9", ".hidden", "masks"}) fs::create_directory(folder_ / name);
-  for (const char* const name : {"images_10/a.jpg", "images_9/a.jpg", ".hidden/a.jpg"}) photo(name);
+TEST_F(FolderFramesTest, SaysInWhichFoldersOfItPhotosAre) {
+  for (const char* const name : {"rgb_10", "rgb_9", ".hidden", "masks"}) fs::create_directory(folder_ / name);
+  for (const char* const name : {"rgb_10/a.jpg", "rgb_9/a.jpg", ".hidden/a.jpg"}) photo(name);
   text("masks/notes.txt", "");
-  EXPECT_THAT(refusal(), HasSubstr("but in " + (folder_ / "images_9").string() + ": give that folder"));
+  fs::create_symlink("loop", folder_ / "loop");
+  const std::string told =
+      "no .jpg or .png photos in it but in rgb_9 and rgb_10 in it: give the one of the sweep's photos";
+  EXPECT_THAT(refusal(), HasSubstr(told));
   fs::create_directory(folder_ / "frames");
-  EXPECT_THAT(refusal(), HasSubstr("but in " + (folder_ / "images_9").string() + ": give that folder"));
+  EXPECT_THAT(refusal(), HasSubstr(told));
 }
 
 TEST_F(FolderFramesTest, SaysThatAFolderIsMissing) {
@@ -115,9 +118,9 @@ TEST_F(FolderFramesTest, BordersThatOthersLackAreCutOff) {
       }
     write_file(folder_ / name, encode_png(image));
   };
-  marked("a.png", 400, 300);
+  marked("a.png", 400, 299);
   marked("b.png", 402, 298);
-  marked("c.png", 400, 302);
+  marked("c.png", 401, 299);
   marked("d.png", 420, 300);  // of another camera
   const FolderFrames frames(folder_);
   EXPECT_EQ(frames.working_size(), (ImageSize{400, 298}));
@@ -134,10 +137,28 @@ TEST_F(FolderFramesTest, BordersThatOthersLackAreCutOff) {
   EXPECT_DOUBLE_EQ(fitted[0].intrinsics.cy, 149);
   EXPECT_EQ(fitted[0].intrinsics.width, 400);
 
-  const FolderFrames half(folder_, {200 * 150});
-  EXPECT_EQ(half.working_size().width, half.load(1).width);
-  EXPECT_EQ(half.framing(1).left, 0);
-  EXPECT_EQ(half.framing(1).scaled.width, 201);
+  const FolderFrames half(folder_, {200 * 149});
+  EXPECT_EQ(half.working_size(), (ImageSize{200, 149}));
+  for (int i = 1; i < 3; ++i) EXPECT_EQ(half.load(i), half.load(0)) << i;
+  EXPECT_EQ(half.framing(1).left, 1);
+  EXPECT_DOUBLE_EQ(half.fit({camera})[0].intrinsics.cx, 100);
+
+  EXPECT_THROW(FolderFrames(folder_, {2'000'000, 1, false}), std::runtime_error);  // told that none is trimmed
+  marked("b.png", 404, 300);                                                       // a hundredth is another camera's
+  marked("d.png", 400, 299);
+  EXPECT_EQ(FolderFrames(folder_).load(1).width, 404);
+}
+
+// Of the same shape, with more pixels than are worked on.
+TEST_F(FolderFramesTest, CamerasOfPhotosThatAreScaledToTheSameSizeAreKept) {
+  for (const char* const name : {"a.jpg", "b.jpg"}) photo(name, 200, 150);
+  photo("c.jpg", 400, 300);
+  Camera camera;
+  camera.intrinsics = {400, 300, 300, 300, 200, 150};
+  camera.name = "c.jpg";
+  const std::vector<Camera> fitted = FolderFrames(folder_, {100 * 75}).fit({camera});
+  ASSERT_EQ(fitted.size(), 1U);
+  EXPECT_DOUBLE_EQ(fitted[0].intrinsics.fx, 75);
 }
 
 // Scaled down to as many pixels as the others a crop of the same shape would pass for one of them.

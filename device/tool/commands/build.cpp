@@ -151,9 +151,10 @@ int run(const BuildCommand& command, const Session& session) {
   const Job job = start_job(session, *bar);
   const RecycledArrays recycled;  // of photos that come in before the build, too
   PoseEstimator begun{PosesOptions{}};
-  if (command.follow) begun = follow_capture(command.setup, STDIN_FILENO, job);
-  const auto begin = std::chrono::steady_clock::now();
   BuildSetup setup = command.setup;
+  setup.trimmed = !command.follow;  // what all photos have is not known before the last of them
+  if (command.follow) begun = follow_capture(setup, STDIN_FILENO, job);
+  const auto begin = std::chrono::steady_clock::now();
   setup.scratch = std::filesystem::absolute(command.output).parent_path().string();
   PreparedBuild prepared = prepare(setup, job);
   const std::string recipe = command.if_needed ? recipe_of(command.setup, prepared) : "";

@@ -33,23 +33,22 @@ struct PosesCommand {
 
 // What was found in frames of the working size, for the photos as they are stored.
 void to_stored_size(const FolderFrames& frames, Poses& poses) {
-  std::vector<Framing> framings;
-  std::vector<Eigen::Array2d> scales;  // stored pixels to one of the frame
+  std::vector<Eigen::Array2d> corners, scales;  // by camera, in stored pixels; and stored pixels to one of the frame
   for (size_t i = 0; i < poses.cameras.size(); ++i) {
-    const auto& [stored, scaled, left, top] = framings.emplace_back(frames.framing(poses.frame_of_camera[i]));
-    const double sx = static_cast<double>(stored.width) / scaled.width,
-                 sy = static_cast<double>(stored.height) / scaled.height;
+    const auto [stored, part, left, top] = frames.framing(poses.frame_of_camera[i]);
+    const double sx = static_cast<double>(part.width) / frames.working_size().width,
+                 sy = static_cast<double>(part.height) / frames.working_size().height;
+    corners.emplace_back(left, top);
     scales.emplace_back(sx, sy);
     Intrinsics& k = poses.cameras[i].intrinsics;
     k.width = stored.width, k.height = stored.height;
-    k.fx *= sx, k.cx = sx * (k.cx + left), k.fy *= sy, k.cy = sy * (k.cy + top);
+    k.fx *= sx, k.cx = sx * k.cx + left, k.fy *= sy, k.cy = sy * k.cy + top;
   }
   for (size_t point = 0; point < poses.sightings.size(); ++point) {
     for (size_t i = 0; i < poses.sightings[point].size(); ++i) {
       const auto camera = static_cast<size_t>(poses.points[point].cameras[i]);
-      const Eigen::Array2d corner(framings[camera].left, framings[camera].top);
       Eigen::Vector2d& p = poses.sightings[point][i];
-      p = scales[camera] * (p.array() + corner);
+      p = scales[camera] * p.array() + corners[camera];
     }
   }
 }

@@ -148,9 +148,12 @@ class FilmChoice {
   int seen_ = 0, stored_ = 0;
 };
 
-// Gives how many were chosen.
-int take_frames(const fs::path& film, const UnpackedFolder& to, int64_t max_pixels, const ChooserOptions& options,
-                const Job& job) {
+struct Taken {
+  int pictures = 0, chosen = 0;
+};
+
+Taken take_frames(const fs::path& film, const UnpackedFolder& to, int64_t max_pixels, const ChooserOptions& options,
+                  const Job& job) {
   FilmPictures pictures(film, max_pixels, job);
   FilmChoice choice(to, options);
   RgbImage picture;
@@ -166,12 +169,12 @@ int take_frames(const fs::path& film, const UnpackedFolder& to, int64_t max_pixe
     job.check();
   }
   choice.finish();
-  return choice.stored();
+  return {choice.seen(), choice.stored()};
 }
 
-// Of neighbours, at which kFewFilmFrames span what `chosen` frames did.
+// Of neighbours, at which kWantedFilmFrames span what `chosen` frames did.
 double overlap_for_more(int chosen) {
-  return std::min(kMostFilmOverlap, 1 - (1 - kFilmOverlap) * (chosen - 1) / (kFewFilmFrames - 1));
+  return std::min(kMostFilmOverlap, 1 - (1 - kFilmOverlap) * (chosen - 1) / (kWantedFilmFrames - 1));
 }
 
 }  // namespace
@@ -183,10 +186,11 @@ void take_film_frames(const fs::path& film, const UnpackedFolder& to, const Film
   chooser.max_frames = kMaxFilmFrames;
   if (options.fov_rad) chooser.fov_rad = *options.fov_rad;
   try {
-    const int chosen = take_frames(film, to, options.max_pixels, chooser, job);
-    if (chosen < 2 || chosen >= kFewFilmFrames) return;
+    const auto [pictures, chosen] = take_frames(film, to, options.max_pixels, chooser, job);
+    const bool still = chosen < 2;  // what shows one place is told so, not looked at more closely
+    if (still || chosen >= kFewFilmFrames || chosen == pictures) return;
     chooser.overlap = overlap_for_more(chosen);
-    const int more = take_frames(film, to, options.max_pixels, chooser, job);
+    const int more = take_frames(film, to, options.max_pixels, chooser, job).chosen;
     for (int i = more; i < chosen; ++i) fs::remove(to.path() / frame_name(i));
   } catch (const std::system_error& error) {
     if (error.code() != std::errc::no_such_file_or_directory) throw;

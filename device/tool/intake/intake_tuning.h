@@ -24,9 +24,9 @@ inline constexpr int64_t kMaxUnpackedRatio = 20, kSmallUnpacked_bytes = int64_t{
 inline constexpr int kMaxFilmPictures = 36'000;  // that are looked at: twenty minutes; 10,000 .. 200,000
 inline constexpr int kMaxFilmFrames = 200;       // that are chosen; 40 .. 1,000
 inline constexpr double kFilmOverlap = 0.8;      // of neighbours among them, at least; 0.7 .. 0.9
-// Of a film that turns so little that fewer are chosen, as many, but for overlaps at most so large; 10 .. 40, 0.9 ..
-// 0.95
-inline constexpr int kFewFilmFrames = 20;
+// Of a film that turns so little that fewer than kFewFilmFrames are chosen, so many, with overlaps at most so large;
+// 8 .. 20, 10 .. 40, 0.9 .. 0.95
+inline constexpr int kFewFilmFrames = 16, kWantedFilmFrames = 20;
 inline constexpr double kMostFilmOverlap = 0.95;
 inline constexpr int kFilmJpegQuality = 95;  // of frames while they are worked on, 1 .. 100; 90 .. 98
 inline constexpr double kFilmRate = 30;      // pictures a second, where it matters: for speeds between two of them
