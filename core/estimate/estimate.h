@@ -25,8 +25,8 @@ struct BuildEstimate {
   double spent_seconds = 0;      // of the processors, on the estimate itself
 };
 
-// Of the frames as the build would load them, with its options; without a quality of that which the small panorama asks for.
-// Throws as build() does.
+// Of the frames as the build would load them, with its options; without a quality of that which the small panorama asks
+// for. Throws as build() does.
 BuildEstimate estimate_build(const FrameSource& frames, const BuildOptions& options, std::optional<int> colour_quality,
                              const Job& job);
 
