@@ -7,6 +7,7 @@ Files and Refusals need neither the program nor PIL.
 import json
 import os
 import pathlib
+import resource
 import signal
 import subprocess
 import sys
@@ -215,10 +216,11 @@ class Interrupts(unittest.TestCase):
         child = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True, env=os.environ)
         self.assertEqual(child.stdout.readline(), "ready\n")
         time.sleep(0.2)
-        begin = time.monotonic()
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         child.send_signal(signal.SIGINT)
         self.assertEqual(child.communicate()[0], "interrupted\n")
-        self.assertLess(time.monotonic() - begin, 5)
+        # Of the processor, of which the whole view takes more than 5 s: however busy the machine is.
+        self.assertLess(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, 2.5)
 
 
 if __name__ == "__main__":
