@@ -114,15 +114,15 @@ std::vector<ImageSize> sizes_of(const std::vector<PhotoFile>& files, int orienta
 }
 
 // Programs that turn photos or take their lenses' bending out trim each a little differently.
-bool alike(ImageSize a, ImageSize b) {
-  return std::abs(a.width - b.width) < kTrimmedShare * std::max(a.width, b.width) &&
-         std::abs(a.height - b.height) < kTrimmedShare * std::max(a.height, b.height);
+bool of_one_camera(ImageSize a, ImageSize b, bool trimmed) {
+  const auto near = [](int one, int other) { return std::abs(one - other) < kTrimmedShare * std::max(one, other); };
+  return a == b || (trimmed && near(a.width, b.width) && near(a.height, b.height));
 }
 
 // That of more than half of the photos, or alike: a few others among them were turned or cropped.
 ImageSize typical_size(const std::vector<PhotoFile>& files, const std::vector<ImageSize>& sizes, bool trimmed,
                        const std::string& shown) {
-  const auto of_one = [&](ImageSize a, ImageSize b) { return a == b || (trimmed && alike(a, b)); };
+  const auto of_one = [&](ImageSize a, ImageSize b) { return of_one_camera(a, b, trimmed); };
   for (const ImageSize& size : sizes) {
     const auto same = std::count_if(sizes.begin(), sizes.end(), [&](ImageSize other) { return of_one(size, other); });
     if (2 * same > static_cast<std::ptrdiff_t>(sizes.size())) return size;
@@ -264,10 +264,10 @@ std::vector<PhotoFile> photos_of_capture(const fs::path& folder) {
   const std::string other = what_else(has_frames ? folder / "frames" : folder);
   if (!other.empty()) throw std::runtime_error(folder.string() + ": " + other);
   const std::vector<std::string> inside = folders_of_photos(folder);
-  throw std::runtime_error(folder.string() + ": no .jpg or .png photos in it" +
-                           (inside.empty()
-                                ? ": give a folder of photos"
-                                : " but in " + list_of(inside) + " in it: give the one of the sweep's photos"));
+  std::string where = ": give a folder of photos";
+  if (inside.size() == 1) where = " but in its folder " + inside[0] + ": give that";
+  if (inside.size() > 1) where = " but in its folders " + list_of(inside) + ": give the one with the sweep's photos";
+  throw std::runtime_error(folder.string() + ": no .jpg or .png photos in it" + where);
 }
 
 FolderFrames::FolderFrames(const fs::path& folder, const FolderFramesOptions& options)
@@ -291,9 +291,7 @@ FolderFrames::FolderFrames(std::vector<PhotoFile> files, const std::string& show
 
 std::string FolderFrames::name(int index) const { return name_of(files_.at(static_cast<size_t>(index))); }
 
-bool FolderFrames::is_like_most(ImageSize stored) const {
-  return stored == typical_ || (options_.trimmed && alike(stored, typical_));
-}
+bool FolderFrames::is_like_most(ImageSize stored) const { return of_one_camera(stored, typical_, options_.trimmed); }
 
 // Scaled down by as much as the others: one cropped to the same shape is not to pass for one of them.
 ImageSize FolderFrames::scaled(ImageSize part) const {
@@ -325,15 +323,15 @@ Photo FolderFrames::read(int index) const {
 RgbImage FolderFrames::load(int index) const {
   Photo photo = read(index);
   const ImageSize found = upright(photo.full_size, options_.orientation);
-  const auto [stored, part, left, top] = framing(index);
-  if (found != stored) {
+  const Framing framed = framing(index);
+  if (found != framed.stored) {
     throw std::runtime_error(files_[static_cast<size_t>(index)].called + ": is " + text_of(found) + " by now and was " +
-                             text_of(stored) + ": leave the photos alone while they are worked on");
+                             text_of(framed.stored) + ": leave the photos alone while they are worked on");
   }
   RgbImage image = upright(std::move(photo.image), options_.orientation);
-  if (part != stored) image = cut(image, framing(index));
-  const ImageSize frame = scaled(part);
-  return frame == part ? image : resize_by_area(image, frame.width, frame.height);
+  if (framed.part != framed.stored) image = cut(image, framed);
+  const ImageSize frame = scaled(framed.part);
+  return frame == framed.part ? image : resize_by_area(image, frame.width, frame.height);
 }
 
 std::optional<double> FolderFrames::focal_hint(int index) const {

@@ -1,5 +1,5 @@
 // How exactly colours are worth coding: where depths are wrong exact colours are no gain, and where the photographs are
-// explained what coding loses is most of what is left (figures: core/pipeline/decisions.md).
+// explained what coding loses is most of what is left (figures: decisions.md).
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Cameras given to `ldp` that cannot be meant: axes of another program, no lens, another sweep, all at one place.
+// Cameras given to `ldp` that cannot be meant: axes of another program, no lens, another sweep, all at one place;
+// and those of photos that a program trimmed.
 
 #include <algorithm>
 #include <array>

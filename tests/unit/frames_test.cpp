@@ -67,11 +67,12 @@ TEST_F(FolderFramesTest, SaysThatAFolderIsEmpty) { EXPECT_THAT(refusal(), HasSub
 
 TEST_F(FolderFramesTest, SaysInWhichFoldersOfItPhotosAre) {
   for (const char* const name : {"rgb_10", "rgb_9", ".hidden", "masks"}) fs::create_directory(folder_ / name);
-  for (const char* const name : {"rgb_10/a.jpg", "rgb_9/a.jpg", ".hidden/a.jpg"}) photo(name);
+  for (const char* const name : {"rgb_10/a.jpg", ".hidden/a.jpg"}) photo(name);
   text("masks/notes.txt", "");
   fs::create_symlink("loop", folder_ / "loop");
-  const std::string told =
-      "no .jpg or .png photos in it but in rgb_9 and rgb_10 in it: give the one of the sweep's photos";
+  EXPECT_THAT(refusal(), HasSubstr("no .jpg or .png photos in it but in its folder rgb_10: give that"));
+  photo("rgb_9/a.jpg");
+  const std::string told = "but in its folders rgb_9 and rgb_10: give the one with the sweep's photos";
   EXPECT_THAT(refusal(), HasSubstr(told));
   fs::create_directory(folder_ / "frames");
   EXPECT_THAT(refusal(), HasSubstr(told));

@@ -143,7 +143,6 @@ Window box_by_looking(const DisparityMap& layer) {
       return seen * least_seen < part.width * part.height;
     };
     for (bool trimmed = true; trimmed && box.width > 0 && box.height > 0;) {
-      trimmed = true;
       if (hardly({box.x, box.y, box.width, 1})) {
         ++box.y, --box.height;
       } else if (hardly({box.x, box.y + box.height - 1, box.width, 1})) {
